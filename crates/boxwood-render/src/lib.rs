@@ -1,0 +1,2 @@
+//! Whitted-style rendering.
+#![forbid(unsafe_code)]

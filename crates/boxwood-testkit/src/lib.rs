@@ -1,0 +1,2 @@
+//! Meshes, rays and judges shared by tests, benches and fuzzing.
+#![forbid(unsafe_code)]
