@@ -7,12 +7,14 @@
 #![forbid(unsafe_code)]
 
 mod error;
+mod flatten;
 mod image;
 pub mod load;
 mod material;
 mod scene;
 
 pub use error::{Place, SceneError};
+pub use flatten::{FlatScene, Located};
 pub use image::{Image, ImageData};
 pub use load::{Files, Folder, Format, NoFiles, Source};
 pub use material::{Alpha, Material, TextureMap, Wrap};

@@ -1,7 +1,45 @@
-//! w
+//! Ray-tracing acceleration structures whose answers are the same bits everywhere.
+//!
+//! ```
+//! use boxwood::{BinnedSah, Bvh, Intersect, Ray, TriangleMesh};
+//!
+//! // mesh → build → tree → layout → query → hit
+//! let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+//! let mesh = TriangleMesh::new(corners, [[0_u32, 1, 2]])?;
+//! let tree = BinnedSah { bins: 16, ..Default::default() }.build(&mesh);
+//! let bvh = Bvh::new(&mesh, tree);
+//!
+//! let ray = Ray::new([0.2, 0.2, -1.0], [0.0, 0.0, 1.0]);
+//! let hit = bvh.closest_hit(&ray).expect("the triangle is in the way");
+//! assert_eq!((hit.t, hit.primitive), (1.0, 0));
+//! assert!(!bvh.occluded(&ray.until(0.5)));
+//! # Ok::<(), boxwood::MeshError>(())
+//! ```
+//!
+//! *How it is laid out.* Data walks one line from left to right, and each module serves one stop of it: [`geometry`] (rays,
+//! boxes, triangles), [`primitive`] (numbered sets of things a ray may meet), [`query`] (what a ray asks), [`accel`] (the
+//! structures), [`inspect`] (looking at a tree).
+//!
+//! *What can be relied on.* Every structure returns the bits of [`BruteForce`], on every machine and for any number of
+//! threads; no ray slips between triangles that share an edge; nothing panics on data.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
+
 extern crate alloc;
+
+pub mod accel;
 pub mod geometry;
+pub mod inspect;
 mod math;
+pub mod primitive;
+pub mod query;
+
+pub use accel::brute_force::BruteForce;
+pub use accel::bvh::{BinaryTree, BinnedSah, Bvh, Median};
+pub use accel::{StructureKind, UnknownStructure};
 pub use geometry::{Aabb, Affine, Hit, PreparedRay, Ray, Surface, Vec3};
+pub use primitive::{MeshError, MollerTrumbore, Primitives, Surfaces, TriangleMesh};
+pub use query::{
+    AllHits, Closest, Counters, Filter, FirstHits, Intersect, Occluded, Query, Seen,
+    TraversalStats, Traverse,
+};

@@ -1,0 +1,19 @@
+//! Bounding volume hierarchies: builders make a [`BinaryTree`], layouts read it.
+//!
+//! *How it works.* A box around everything, two boxes in it around the halves, and so on until a handful of primitives
+//! is left. A ray that misses a box misses all inside. Builders ([`Median`], [`BinnedSah`]) only decide which primitives
+//! go where; [`Bvh`] is the readable layout with its loop.
+//!
+//! *Cost.* At most `2 n − 1` nodes of 32 bytes and 4 bytes per primitive.
+//!
+//! *Source.* Rubin & Whitted 1980; Kay & Kajiya 1986.
+
+mod binary;
+mod build;
+mod tree;
+
+pub use {
+    binary::Bvh,
+    build::{BinnedSah, Median},
+    tree::{BinaryNode, BinaryTree, MAX_DEPTH, MAX_LEAF},
+};

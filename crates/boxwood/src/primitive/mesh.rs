@@ -1,0 +1,284 @@
+//! Triangle meshes: checked once, trusted afterwards.
+
+use super::{Primitives, Surfaces};
+use crate::geometry::triangle::{self, Meeting, moller_trumbore, watertight};
+use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Surface, Vec3};
+use crate::query::{Counters, Query};
+use alloc::vec::Vec;
+use core::ops::ControlFlow::{self, Continue};
+
+/// Vertices, and three of them per triangle. Every index names a vertex and every vertex that a triangle names is finite.
+///
+/// A triangle without area is kept, so that numbers never shift, and is never hit. The test is the canonical one of
+/// [`watertight`]; [`MollerTrumbore`] is the alternative. 12 bytes a vertex and 12 a triangle.
+#[derive(Clone, Debug, Default)]
+pub struct TriangleMesh {
+    positions: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+}
+
+/// Why a mesh was refused.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// An index beyond the vertices.
+    #[error("triangle {triangle} names vertex {vertex}, but there are {vertices}")]
+    NoSuchVertex {
+        /// The triangle.
+        triangle: usize,
+        /// The vertex it names.
+        vertex: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// A coordinate is infinite or NaN.
+    #[error("triangle {triangle} names vertex {vertex}, which is not finite")]
+    NotFinite {
+        /// The triangle.
+        triangle: usize,
+        /// The vertex.
+        vertex: u32,
+    },
+    /// A flat list does not divide into threes.
+    #[error("the list of {what} has {length} numbers, which is not a multiple of three")]
+    NotThrees {
+        /// `positions` or `indices`.
+        what: &'static str,
+        /// How many numbers.
+        length: usize,
+    },
+    /// Primitives are numbered with 32 bits, of which the last number means "none".
+    #[error("there are {triangles} triangles, but at most 4294967294 can be numbered")]
+    TooMany {
+        /// How many.
+        triangles: usize,
+    },
+}
+
+impl TriangleMesh {
+    /// Checks and keeps a mesh. Positions are anything that turns into `[f32; 3]`; indices are `u32`, `u16` or `u8`.
+    ///
+    /// # Errors
+    /// When an index names no vertex, or a triangle a vertex that is not finite.
+    pub fn new<V: Into<[f32; 3]>, I: Into<u32>>(
+        positions: impl IntoIterator<Item = V>,
+        triangles: impl IntoIterator<Item = [I; 3]>,
+    ) -> Result<Self, MeshError> {
+        let positions = positions.into_iter().map(|p| p.into().into()).collect();
+        let triangles = triangles.into_iter().map(|t| t.map(Into::into)).collect();
+        Self::check(positions, triangles)
+    }
+
+    /// The same from double-precision positions, each rounded to the nearest float.
+    ///
+    /// # Errors
+    /// As [`TriangleMesh::new`]; a coordinate beyond the floats is not finite.
+    pub fn from_f64<I: Into<u32>>(
+        positions: impl IntoIterator<Item = [f64; 3]>,
+        triangles: impl IntoIterator<Item = [I; 3]>,
+    ) -> Result<Self, MeshError> {
+        Self::new(
+            positions.into_iter().map(|p| p.map(|x| x as f32)),
+            triangles,
+        )
+    }
+
+    /// The same from flat lists: `x y z x y z …` and `a b c a b c …`.
+    ///
+    /// # Errors
+    /// As [`TriangleMesh::new`], and when a list does not divide into threes.
+    pub fn from_flat<I: Into<u32> + Copy>(
+        positions: &[f32],
+        indices: &[I],
+    ) -> Result<Self, MeshError> {
+        let (points, []) = positions.as_chunks::<3>() else {
+            return Err(MeshError::NotThrees {
+                what: "positions",
+                length: positions.len(),
+            });
+        };
+        let (triangles, []) = indices.as_chunks::<3>() else {
+            return Err(MeshError::NotThrees {
+                what: "indices",
+                length: indices.len(),
+            });
+        };
+        Self::new(points.iter().copied(), triangles.iter().copied())
+    }
+
+    fn check(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        if triangles.len() >= u32::MAX as usize {
+            return Err(MeshError::TooMany {
+                triangles: triangles.len(),
+            });
+        }
+        for (triangle, corners) in triangles.iter().enumerate() {
+            for &vertex in corners {
+                match positions.get(vertex as usize) {
+                    None => {
+                        return Err(MeshError::NoSuchVertex {
+                            triangle,
+                            vertex,
+                            vertices: positions.len(),
+                        });
+                    }
+                    Some(p) if !p.is_finite() => {
+                        return Err(MeshError::NotFinite { triangle, vertex });
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+        Ok(Self {
+            positions,
+            triangles,
+        })
+    }
+
+    /// The vertices.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+    /// The vertices of each triangle.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+    /// The three corners of triangle `i`.
+    ///
+    /// # Panics
+    /// When there is no such triangle.
+    #[inline(always)]
+    pub fn triangle(&self, i: usize) -> [Vec3; 3] {
+        self.triangles[i].map(|v| self.positions[v as usize])
+    }
+    /// The bytes that vertices and triangles take.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.positions) + size_of_val(&*self.triangles)
+    }
+}
+
+#[inline(always)]
+fn hit(meeting: Meeting, i: usize) -> Hit {
+    Hit {
+        t: meeting.t,
+        u: meeting.u,
+        v: meeting.v,
+        primitive: i as u32,
+        instance: 0,
+    }
+}
+
+impl Primitives for TriangleMesh {
+    #[inline]
+    fn len(&self) -> usize {
+        self.triangles.len()
+    }
+    #[inline]
+    fn bounds(&self, i: usize) -> Aabb {
+        Aabb::of(self.triangle(i))
+    }
+    #[inline(always)]
+    fn offer<Q: Query, C: Counters>(
+        &self,
+        i: usize,
+        ray: &PreparedRay,
+        query: &mut Q,
+        _: &mut C,
+    ) -> ControlFlow<()> {
+        match watertight::intersect(self.triangle(i), ray, query.t_max()) {
+            Some((meeting, covered)) if covered || ray.is_inside(&self.bounds(i), meeting.t) => {
+                query.offer(hit(meeting, i))
+            }
+            _ => Continue(()),
+        }
+    }
+    const WITHIN_SLACK: bool = true;
+}
+
+impl Surfaces for TriangleMesh {
+    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        triangle::surface(self.triangle(hit.primitive as usize), hit.u, hit.v, ray)
+    }
+}
+
+/// A mesh whose triangles are met by the test of Möller & Trumbore 1997 instead of the canonical one: the same picture
+/// to the eye, but other bits, and rays slip through shared edges. Every structure still agrees with the judge over the
+/// same wrapped mesh.
+///
+/// ```
+/// use boxwood::{BruteForce, Intersect, MollerTrumbore, Ray, TriangleMesh};
+/// let mesh = TriangleMesh::new([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0_u32, 1, 2]])?;
+/// let judge = BruteForce::new(MollerTrumbore(&mesh));
+/// assert!(judge.occluded(&Ray::new([0.2, 0.2, -1.0], [0.0, 0.0, 1.0])));
+/// # Ok::<(), boxwood::MeshError>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct MollerTrumbore<M>(pub M);
+
+impl<M: core::borrow::Borrow<TriangleMesh>> Primitives for MollerTrumbore<M> {
+    #[inline]
+    fn len(&self) -> usize {
+        self.0.borrow().len()
+    }
+    #[inline]
+    fn bounds(&self, i: usize) -> Aabb {
+        self.0.borrow().bounds(i)
+    }
+    #[inline(always)]
+    fn offer<Q: Query, C: Counters>(
+        &self,
+        i: usize,
+        ray: &PreparedRay,
+        query: &mut Q,
+        _: &mut C,
+    ) -> ControlFlow<()> {
+        match moller_trumbore::intersect(self.0.borrow().triangle(i), ray, query.t_max()) {
+            Some(meeting) => query.offer(hit(meeting, i)),
+            None => Continue(()),
+        }
+    }
+}
+
+impl<M: core::borrow::Borrow<TriangleMesh>> Surfaces for MollerTrumbore<M> {
+    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        self.0.borrow().surface(ray, hit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bad_meshes_are_refused_in_a_sentence() {
+        let refused = |r: Result<TriangleMesh, MeshError>| r.expect_err("refused").to_string();
+        assert_eq!(
+            refused(TriangleMesh::new([[0.0_f32; 3]], [[0_u32, 0, 9]])),
+            "triangle 0 names vertex 9, but there are 1"
+        );
+        assert_eq!(
+            refused(TriangleMesh::new([[0.0, f32::NAN, 0.0]], [[0_u32, 0, 0]])),
+            "triangle 0 names vertex 0, which is not finite"
+        );
+        assert_eq!(
+            refused(TriangleMesh::from_f64(
+                [[0.0, 1.0e39, 0.0]],
+                [[0_u32, 0, 0]]
+            )),
+            "triangle 0 names vertex 0, which is not finite"
+        );
+        assert_eq!(
+            refused(TriangleMesh::from_flat(&[0.0; 4], &[0_u32; 3])),
+            "the list of positions has 4 numbers, which is not a multiple of three"
+        );
+        assert_eq!(
+            refused(TriangleMesh::from_flat(&[0.0; 3], &[0_u16; 2])),
+            "the list of indices has 2 numbers, which is not a multiple of three"
+        );
+    }
+
+    #[test]
+    fn what_no_triangle_names_may_be_anything() {
+        assert!(TriangleMesh::new([[0.0; 3], [f32::NAN; 3]], [[0_u16, 0, 0]]).is_ok());
+    }
+}

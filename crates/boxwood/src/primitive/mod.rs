@@ -1,0 +1,156 @@
+//! Numbered sets of things a ray may meet.
+
+mod mesh;
+
+pub use mesh::{MeshError, MollerTrumbore, TriangleMesh};
+
+use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Surface};
+use crate::query::{Counters, Query};
+use alloc::sync::Arc;
+use core::ops::ControlFlow::{self, Continue};
+
+/// A numbered set of things a ray may meet: what every structure is built over.
+///
+/// Implemented for meshes, the analytic shapes of this module, and `&P` and `Arc<P>` of any of them; users write their
+/// own by saying how many there are, where each lies and how a ray meets it.
+pub trait Primitives {
+    /// How many.
+    fn len(&self) -> usize;
+    /// Whether there are none.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// Around primitive `i`; an empty box for a primitive that nothing can hit.
+    fn bounds(&self, i: usize) -> Aabb;
+    /// Around the part of primitive `i` that lies in a box.
+    fn clipped_bounds(&self, i: usize, within: &Aabb) -> Aabb {
+        self.bounds(i).intersection(*within)
+    }
+    /// Which queries see primitive `i`: those whose [`Query::mask`] shares a bit. All by default.
+    #[inline(always)]
+    fn mask(&self, _i: usize) -> u32 {
+        u32::MAX
+    }
+    /// Shows primitive `i` to the query: offers each hit within `[ray.t_min, query.t_max()]`.
+    ///
+    /// The same call must always offer the same hits: structures agree because they all ask this.
+    fn offer<Q: Query, C: Counters>(
+        &self,
+        i: usize,
+        ray: &PreparedRay,
+        query: &mut Q,
+        counters: &mut C,
+    ) -> ControlFlow<()>;
+    /// Whether every hit that [`Primitives::offer`] makes is *proven* to lie in the primitive's box padded by the slack
+    /// (see [`PreparedRay`]). Where it is not, [`offer`] asks for each hit and drops those outside.
+    const WITHIN_SLACK: bool = false;
+}
+
+/// Primitives that can say what their surface is like where a ray met it.
+pub trait Surfaces: Primitives {
+    /// The surface at a hit that a structure over these primitives returned for the ray.
+    ///
+    /// # Panics
+    /// When the hit names a primitive that does not exist.
+    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface;
+}
+
+/// [`Primitives::offer`] as structures call it: masks are obeyed, the test is counted, and a hit counts only where it lies
+/// in the primitive's own padded box. So a box on the way to it can never be passed over, whatever the shape claims.
+#[inline(always)]
+pub fn offer<P: Primitives + ?Sized, Q: Query, C: Counters>(
+    primitives: &P,
+    i: usize,
+    ray: &PreparedRay,
+    query: &mut Q,
+    counters: &mut C,
+) -> ControlFlow<()> {
+    if primitives.mask(i) & query.mask() == 0 {
+        return Continue(());
+    }
+    counters.primitives(1);
+    if P::WITHIN_SLACK {
+        return primitives.offer(i, ray, query, counters);
+    }
+    let around = primitives.bounds(i);
+    primitives.offer(i, ray, &mut InOwnBox { around, ray, query }, counters)
+}
+
+struct InOwnBox<'a, Q> {
+    around: Aabb,
+    ray: &'a PreparedRay,
+    query: &'a mut Q,
+}
+
+impl<Q: Query> Query for InOwnBox<'_, Q> {
+    const ORDERED: bool = Q::ORDERED;
+    #[inline(always)]
+    fn t_max(&self) -> f32 {
+        self.query.t_max()
+    }
+    #[inline(always)]
+    fn mask(&self) -> u32 {
+        self.query.mask()
+    }
+    #[inline(always)]
+    fn time(&self) -> f32 {
+        self.query.time()
+    }
+    #[inline(always)]
+    fn offer(&mut self, hit: Hit) -> ControlFlow<()> {
+        let counts = self.ray.t_min <= hit.t
+            && hit.t <= self.query.t_max()
+            && self.ray.is_inside(&self.around, hit.t);
+        if counts {
+            self.query.offer(hit)
+        } else {
+            Continue(())
+        }
+    }
+}
+
+macro_rules! forward {
+    ($($owner:ty),*) => {$(
+        impl<P: Primitives + ?Sized> Primitives for $owner {
+            #[inline]
+            fn len(&self) -> usize {
+                (**self).len()
+            }
+            #[inline]
+            fn bounds(&self, i: usize) -> Aabb {
+                (**self).bounds(i)
+            }
+            #[inline]
+            fn clipped_bounds(&self, i: usize, within: &Aabb) -> Aabb {
+                (**self).clipped_bounds(i, within)
+            }
+            #[inline(always)]
+            fn mask(&self, i: usize) -> u32 {
+                (**self).mask(i)
+            }
+            #[inline(always)]
+            fn offer<Q: Query, C: Counters>(
+                &self,
+                i: usize,
+                ray: &PreparedRay,
+                query: &mut Q,
+                counters: &mut C,
+            ) -> ControlFlow<()> {
+                (**self).offer(i, ray, query, counters)
+            }
+            const WITHIN_SLACK: bool = P::WITHIN_SLACK;
+        }
+        impl<P: Surfaces + ?Sized> Surfaces for $owner {
+            fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+                (**self).surface(ray, hit)
+            }
+        }
+    )*};
+}
+// Every structure can own its primitives, borrow them or share them.
+forward!(&P, Arc<P>);
+
+/// Around all primitives.
+pub(crate) fn bounds_of(primitives: &impl Primitives) -> Aabb {
+    (0..primitives.len()).fold(Aabb::EMPTY, |b, i| b.union(primitives.bounds(i)))
+}

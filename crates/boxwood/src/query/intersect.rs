@@ -1,0 +1,190 @@
+//! The object-safe face of a structure.
+
+use super::{AllHits, Closest, FirstHits, Occluded, Query, TraversalStats, Traverse};
+use crate::geometry::{Aabb, Hit, Ray};
+use crate::inspect::Statistics;
+use alloc::vec::Vec;
+use core::ops::ControlFlow::{self, Break, Continue};
+#[cfg(feature = "parallel")]
+use rayon::prelude::*;
+
+/// What every structure answers, whatever its type: `Box<dyn Intersect>` holds any of them.
+///
+/// The queries in it are a closed set: that bounds how many loops are compiled. A question outside the set goes through
+/// [`Intersect::visit`] or, when the type is known, through [`Traverse`].
+///
+/// The batch calls take slices of rays and run in the caller's rayon pool (`pool.install(|| …)` chooses another one, a
+/// pool of one thread included) when the feature `parallel` is on; the answers do not depend on the threads.
+pub trait Intersect: Send + Sync {
+    /// Around all primitives; [`Aabb::EMPTY`] when there are none.
+    fn bounds(&self) -> Aabb;
+    /// What the structure is made of and what it should cost.
+    fn statistics(&self) -> Statistics;
+    /// The nearest hit; `None` when there is none.
+    fn closest_hit(&self, ray: &Ray) -> Option<Hit>;
+    /// Is anything in the ray's interval?
+    fn occluded(&self, ray: &Ray) -> bool;
+    /// All hits, nearest first, each once.
+    fn all_hits(&self, ray: &Ray) -> Vec<Hit>;
+    /// The first `k` hits, nearest first, each once.
+    fn first_hits(&self, ray: &Ray, k: usize) -> Vec<Hit>;
+    /// [`Intersect::closest_hit`], adding its steps to `stats`.
+    fn closest_hit_counted(&self, ray: &Ray, stats: &mut TraversalStats) -> Option<Hit>;
+    /// [`Intersect::occluded`], adding its steps to `stats`.
+    fn occluded_counted(&self, ray: &Ray, stats: &mut TraversalStats) -> bool;
+    /// [`Intersect::all_hits`], adding its steps to `stats`.
+    fn all_hits_counted(&self, ray: &Ray, stats: &mut TraversalStats) -> Vec<Hit>;
+    /// Shows hits to `visit` in no particular order until it breaks; its value, when it is `Continue`, is the new end of
+    /// the interval.
+    fn visit(&self, ray: &Ray, visit: &mut dyn FnMut(Hit) -> ControlFlow<(), f32>);
+    /// [`Intersect::closest_hit`] for many rays.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]);
+    /// [`Intersect::occluded`] for many rays.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    fn occluded_each(&self, rays: &[Ray], occluded: &mut [bool]);
+
+    /// The nearest hit that `keep` accepts: cut-outs, back-face culling. `keep` may be asked about any hit in the
+    /// interval, in any order, so it must not depend on what it was asked before.
+    fn closest_hit_where(&self, ray: &Ray, keep: &mut dyn FnMut(&Hit) -> bool) -> Option<Hit> {
+        let mut query = Closest::new(ray);
+        self.visit(ray, &mut |hit| {
+            if keep(&hit) {
+                query.offer(hit).map_continue(|()| query.t_max())
+            } else {
+                Continue(query.t_max())
+            }
+        });
+        query.hit()
+    }
+
+    /// Is anything that `keep` accepts in the ray's interval?
+    fn occluded_where(&self, ray: &Ray, keep: &mut dyn FnMut(&Hit) -> bool) -> bool {
+        let mut found = false;
+        self.visit(ray, &mut |hit| {
+            found = keep(&hit);
+            if found {
+                Break(())
+            } else {
+                Continue(ray.t_max)
+            }
+        });
+        found
+    }
+}
+
+/// Rays per chunk of a batch: the queries stay in the first-level cache.
+const CHUNK: usize = 64;
+
+impl<T: Traverse + Send + Sync> Intersect for T {
+    fn bounds(&self) -> Aabb {
+        Traverse::bounds(self)
+    }
+    fn statistics(&self) -> Statistics {
+        Traverse::statistics(self)
+    }
+    fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        ask(self, ray, Closest::new(ray), &mut ()).hit()
+    }
+    fn occluded(&self, ray: &Ray) -> bool {
+        ask(self, ray, Occluded::new(ray), &mut ()).found()
+    }
+    fn all_hits(&self, ray: &Ray) -> Vec<Hit> {
+        ask(self, ray, AllHits::new(ray), &mut ()).sorted()
+    }
+    fn first_hits(&self, ray: &Ray, k: usize) -> Vec<Hit> {
+        ask(self, ray, FirstHits::new(ray, k), &mut ()).sorted()
+    }
+    fn closest_hit_counted(&self, ray: &Ray, stats: &mut TraversalStats) -> Option<Hit> {
+        ask(self, ray, Closest::new(ray), stats).hit()
+    }
+    fn occluded_counted(&self, ray: &Ray, stats: &mut TraversalStats) -> bool {
+        ask(self, ray, Occluded::new(ray), stats).found()
+    }
+    fn all_hits_counted(&self, ray: &Ray, stats: &mut TraversalStats) -> Vec<Hit> {
+        ask(self, ray, AllHits::new(ray), stats).sorted()
+    }
+    fn visit(&self, ray: &Ray, visit: &mut dyn FnMut(Hit) -> ControlFlow<(), f32>) {
+        let t_max = ray.t_max;
+        ask(self, ray, Visit { t_max, visit }, &mut ());
+    }
+    fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len(), "one hit per ray");
+        each_chunk(rays, hits, |rays, hits| {
+            ask_each(self, rays, hits, Closest::new, Closest::hit);
+        });
+    }
+    fn occluded_each(&self, rays: &[Ray], occluded: &mut [bool]) {
+        assert_eq!(rays.len(), occluded.len(), "one answer per ray");
+        each_chunk(rays, occluded, |rays, occluded| {
+            ask_each(self, rays, occluded, Occluded::new, Occluded::found);
+        });
+    }
+}
+
+fn ask<Q: Query>(
+    structure: &impl Traverse,
+    ray: &Ray,
+    mut query: Q,
+    counters: &mut impl super::Counters,
+) -> Q {
+    structure.traverse(ray, &mut query, counters);
+    query
+}
+
+/// At most [`CHUNK`] rays through [`Traverse::traverse_each`].
+fn ask_each<Q: Query + Copy, A>(
+    structure: &impl Traverse,
+    rays: &[Ray],
+    answers: &mut [A],
+    question: impl Fn(&Ray) -> Q,
+    answer: impl Fn(Q) -> A,
+) {
+    let Some(first) = rays.first() else { return };
+    let mut queries = [question(first); CHUNK];
+    let queries = &mut queries[..rays.len()];
+    for (query, ray) in queries.iter_mut().zip(rays) {
+        *query = question(ray);
+    }
+    structure.traverse_each(rays, queries, &mut ());
+    for (place, query) in answers.iter_mut().zip(queries) {
+        *place = answer(*query);
+    }
+}
+
+/// Chunks side by side, in the caller's pool where there is one.
+fn each_chunk<A: Send>(
+    rays: &[Ray],
+    answers: &mut [A],
+    work: impl Fn(&[Ray], &mut [A]) + Send + Sync,
+) {
+    #[cfg(feature = "parallel")]
+    rays.par_chunks(CHUNK)
+        .zip(answers.par_chunks_mut(CHUNK))
+        .with_min_len(4)
+        .for_each(|(rays, answers)| work(rays, answers));
+    #[cfg(not(feature = "parallel"))]
+    rays.chunks(CHUNK)
+        .zip(answers.chunks_mut(CHUNK))
+        .for_each(|(rays, answers)| work(rays, answers));
+}
+
+/// A query whose mind is a closure.
+struct Visit<'a> {
+    t_max: f32,
+    visit: &'a mut dyn FnMut(Hit) -> ControlFlow<(), f32>,
+}
+
+impl Query for Visit<'_> {
+    fn t_max(&self) -> f32 {
+        self.t_max
+    }
+    fn offer(&mut self, hit: Hit) -> ControlFlow<()> {
+        // `min`: the interval never grows, whatever the closure says.
+        (self.visit)(hit).map_continue(|t_max| self.t_max = self.t_max.min(t_max))
+    }
+}

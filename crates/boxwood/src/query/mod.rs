@@ -1,0 +1,85 @@
+//! What a ray asks of any structure.
+//!
+//! *How it works.* A structure writes one loop, [`Traverse::traverse`]. It shows each primitive it reaches to a
+//! [`Query`], which may shrink the interval or stop the loop, and reports its steps to [`Counters`]. [`Intersect`] is
+//! the object-safe face that every structure gets for free.
+
+mod counters;
+mod intersect;
+mod kinds;
+
+pub use counters::{Counters, TraversalStats};
+pub use intersect::Intersect;
+pub use kinds::{AllHits, Closest, Filter, FirstHits, Occluded, Seen};
+
+use crate::geometry::{Aabb, Hit, Ray};
+use crate::inspect::Statistics;
+use core::ops::ControlFlow;
+
+/// What a ray wants to know. A filter is a query that wraps a query.
+pub trait Query {
+    /// Whether near children should be visited first. Only a hint: the answer is the same without.
+    const ORDERED: bool = true;
+    /// Nothing beyond this counts any more; never grows.
+    fn t_max(&self) -> f32;
+    /// Only primitives whose [`mask`](crate::Primitives::mask) shares a bit with this are met. All by default.
+    #[inline(always)]
+    fn mask(&self) -> u32 {
+        u32::MAX
+    }
+    /// The moment the ray is cast at, for primitives that move; 0 by default.
+    #[inline(always)]
+    fn time(&self) -> f32 {
+        0.0
+    }
+    /// Receives a hit within `[t_min, t_max]`; `Break` ends the traversal.
+    fn offer(&mut self, hit: Hit) -> ControlFlow<()>;
+}
+
+impl<Q: Query> Query for &mut Q {
+    const ORDERED: bool = Q::ORDERED;
+    #[inline(always)]
+    fn t_max(&self) -> f32 {
+        (**self).t_max()
+    }
+    #[inline(always)]
+    fn mask(&self) -> u32 {
+        (**self).mask()
+    }
+    #[inline(always)]
+    fn time(&self) -> f32 {
+        (**self).time()
+    }
+    #[inline(always)]
+    fn offer(&mut self, hit: Hit) -> ControlFlow<()> {
+        (**self).offer(hit)
+    }
+}
+
+/// The one thing a structure writes.
+pub trait Traverse {
+    /// Around all primitives; [`Aabb::EMPTY`] when there are none.
+    fn bounds(&self) -> Aabb;
+
+    /// What the structure is made of and what it should cost.
+    fn statistics(&self) -> Statistics;
+
+    /// Shows the primitives that the ray may meet to the query.
+    fn traverse<Q: Query, C: Counters>(&self, ray: &Ray, query: &mut Q, counters: &mut C);
+
+    /// One query per ray; the results are those of [`Traverse::traverse`] one by one.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    fn traverse_each<Q: Query, C: Counters>(
+        &self,
+        rays: &[Ray],
+        queries: &mut [Q],
+        counters: &mut C,
+    ) {
+        assert_eq!(rays.len(), queries.len(), "one query per ray");
+        for (ray, query) in rays.iter().zip(queries) {
+            self.traverse(ray, query, counters);
+        }
+    }
+}
