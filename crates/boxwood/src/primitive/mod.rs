@@ -99,7 +99,7 @@ impl<Q: Query> Query for InOwnBox<'_, Q> {
     #[inline(always)]
     fn offer(&mut self, hit: Hit) -> ControlFlow<()> {
         let counts = self.ray.t_min <= hit.t
-            && hit.t <= self.query.t_max()
+            && hit.t <= self.query.t_max().min(f32::MAX)
             && self.ray.is_inside(&self.around, hit.t);
         if counts {
             self.query.offer(hit)

@@ -21,7 +21,8 @@ pub fn intersect([a, b, c]: [Vec3; 3], ray: &PreparedRay, t_max: f32) -> Option<
     let v = ray.direction.dot(q) * inverse;
     let t = e2.dot(q) * inverse;
     let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
-    (inside && t >= ray.t_min && t <= t_max).then_some(Meeting { t, u, v })
+    let counts = t >= ray.t_min && t <= t_max && t < f32::INFINITY;
+    (inside && counts).then_some(Meeting { t, u, v })
 }
 
 #[cfg(test)]

@@ -51,8 +51,8 @@ pub fn intersect([a, b, c]: [Vec3; 3], ray: &PreparedRay, t_max: f32) -> Option<
     let determinant = (u + v) + w;
     let r = 1.0 / determinant;
     let t = (((u * z0 + v * z1) + w * z2) * iz) * r;
-    // NaN fails, and so does u = v = w = 0.
-    if !(t >= ray.t_min && t <= t_max) {
+    // NaN fails, and so does u = v = w = 0. An infinite `t_max` reads as the largest float.
+    if !(t >= ray.t_min && t <= t_max && t < f32::INFINITY) {
         return None;
     }
     let covered = ray.is_tame() && determinant.abs() >= TINY;

@@ -56,7 +56,7 @@ impl BinnedSah {
         let mut best: Option<Cut> = None;
         for axis in 0..3 {
             if let Some(cut) = filled.cheapest_cut(axis, self.bins) {
-                if best.as_ref().is_none_or(|best| cut.cost < best.cost) {
+                if best.as_ref().is_none_or(|best| cut.is_better(best)) {
                     best = Some(cut);
                 }
             }
@@ -93,6 +93,16 @@ struct Cut {
     plane: usize,
     cost: f32,
     whole_area: f32,
+    /// How many primitives lie on the side that has fewer.
+    smaller_half: u32,
+}
+
+impl Cut {
+    /// Cheaper, or as cheap and more even: boxes along a line have no area, and all cuts through them cost nothing.
+    fn is_better(&self, other: &Self) -> bool {
+        self.cost < other.cost
+            || (self.cost == other.cost && self.smaller_half > other.smaller_half)
+    }
 }
 
 /// The bins of one node.
@@ -186,13 +196,15 @@ impl Filled {
                 continue;
             }
             let cost = left.0.half_area() * left.1 as f32 + right_cost[plane];
-            if best.as_ref().is_none_or(|best| cost < best.cost) {
-                best = Some(Cut {
-                    axis,
-                    plane,
-                    cost,
-                    whole_area,
-                });
+            let cut = Cut {
+                axis,
+                plane,
+                cost,
+                whole_area,
+                smaller_half: left.1.min(total - left.1),
+            };
+            if best.as_ref().is_none_or(|best| cut.is_better(best)) {
+                best = Some(cut);
             }
         }
         best
