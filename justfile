@@ -1,0 +1,23 @@
+# The recipes that people and CI share. `just --list` names them.
+
+# Formatting, lints, the library without threads and without std.
+check:
+    cargo fmt --all --check
+    cargo clippy --workspace --all-targets -- -D warnings
+    cargo check -p boxwood --no-default-features
+
+# All tests. BOXWOOD_SCENES=FOLDER adds those on real files.
+test:
+    cargo test
+
+# Licences, advisories and sources of the dependencies.
+deny:
+    cargo deny check
+
+# Ten minutes of fuzzing on each target.
+fuzz seconds="600":
+    for target in structures obj ply stl gltf; do cargo +nightly fuzz run --fuzz-dir fuzz $target -- -max_total_time={{seconds}} -rss_limit_mb=2048 -timeout=10 || exit 1; done
+
+# The pictures of the gallery that need no files.
+gallery:
+    cargo run --release -- render -o gallery/teapot-in-stadium.png
