@@ -55,10 +55,10 @@ impl BinnedSah {
         let filled = grid.fill(items);
         let mut best: Option<Cut> = None;
         for axis in 0..3 {
-            if let Some(cut) = filled.cheapest_cut(axis, self.bins) {
-                if best.as_ref().is_none_or(|best| cut.is_better(best)) {
-                    best = Some(cut);
-                }
+            if let Some(cut) = filled.cheapest_cut(axis, self.bins)
+                && best.as_ref().is_none_or(|best| cut.is_better(best))
+            {
+                best = Some(cut);
             }
         }
         let Some(cut) = best else {

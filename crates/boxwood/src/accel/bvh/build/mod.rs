@@ -117,18 +117,15 @@ fn append_pair(nodes: &mut Vec<BinaryNode>, root: usize, halves: [Vec<BinaryNode
     let at = nodes.len() - root;
     // Children in the left half move by `at + 1`, those in the right half by the left half's length more.
     let moves = [at + 1, at + halves[0].len()];
-    let moved = |half: usize, node: &BinaryNode| {
-        let by = if node.is_leaf() { 0 } else { moves[half] };
-        BinaryNode {
-            first: node.first + by as u32,
-            ..*node
-        }
+    let moved = |node: &BinaryNode, by: usize| BinaryNode {
+        first: node.first + if node.is_leaf() { 0 } else { by as u32 },
+        ..*node
     };
-    for half in 0..2 {
-        nodes.push(moved(half, &halves[half][0]));
+    for (half, by) in halves.iter().zip(moves) {
+        nodes.push(moved(&half[0], by));
     }
-    for half in 0..2 {
-        nodes.extend(halves[half][1..].iter().map(|node| moved(half, node)));
+    for (half, by) in halves.iter().zip(moves) {
+        nodes.extend(half[1..].iter().map(|node| moved(node, by)));
     }
 }
 
