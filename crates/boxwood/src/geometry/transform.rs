@@ -89,8 +89,8 @@ impl Affine {
         let mut upper = [0.0; 3];
         for (axis, row) in self.rows.iter().enumerate() {
             (lower[axis], upper[axis]) = (row[3], row[3]);
-            for k in 0..3 {
-                let (a, b) = (row[k] * of.lower[k], row[k] * of.upper[k]);
+            for (k, factor) in row[..3].iter().enumerate() {
+                let (a, b) = (factor * of.lower[k], factor * of.upper[k]);
                 lower[axis] += a.min(b);
                 upper[axis] += a.max(b);
             }
