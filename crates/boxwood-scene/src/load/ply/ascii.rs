@@ -5,7 +5,7 @@
 use super::Rows;
 use super::faces::{FacePlan, Faces};
 use super::header::{Element, Kind};
-use super::vertices::{VertexPlan, Vertices, not_a_number, not_finite};
+use super::vertices::{VertexPlan, Vertices, not_finite};
 use crate::SceneError;
 use crate::error::Place;
 use crate::load::file::File;
@@ -17,6 +17,19 @@ pub struct Ascii<'a> {
     text: Text<'a>,
     /// Where the first line with too many values has the first of them, and how many lines have.
     surplus: Option<(usize, usize)>,
+}
+
+/// What should stand where something else does.
+#[derive(Clone, Copy)]
+enum Wanted {
+    /// The value of a scalar.
+    Number,
+    /// The count of a list.
+    Count,
+    /// An index in a list.
+    Index,
+    /// Anything in a list.
+    Item,
 }
 
 impl<'a> Ascii<'a> {
@@ -65,24 +78,34 @@ impl<'a> Ascii<'a> {
 
     /// Complains about the value that should stand here.
     #[cold]
-    fn bad_value(&self, element: &Element, row: usize, property: usize, what: &str) -> SceneError {
+    fn bad_value(
+        &self,
+        element: &Element,
+        row: usize,
+        property: usize,
+        wanted: Wanted,
+    ) -> SceneError {
         let property = &element.properties[property];
         let mut text = self.text;
         let word = text.word();
+        let (element, name) = (&element.name, quote(&property.name));
         let problem = if word.is_empty() {
+            let where_it_ends = match wanted {
+                Wanted::Number | Wanted::Count => "before",
+                Wanted::Index | Wanted::Item => "within",
+            };
             format!(
-                "the line of {} {row} ends before {what}{}, which line {} of the header promises",
-                element.name,
-                quote(&property.name),
+                "the line of {element} {row} ends {where_it_ends} {name}, which line {} of the header promises",
                 property.line
             )
-        } else if what.is_empty() {
-            not_a_number(word, &property.name, row)
         } else {
+            let expected = match wanted {
+                Wanted::Number | Wanted::Item => "a number for",
+                Wanted::Count => "a whole number, the count of",
+                Wanted::Index => "a whole number, an index in",
+            };
             format!(
-                "expected {what}{} of {} {row}, a whole number, found {}",
-                quote(&property.name),
-                element.name,
+                "expected {expected} {name} of {element} {row}, found {}",
                 quote(word)
             )
         };
@@ -99,7 +122,7 @@ impl<'a> Ascii<'a> {
         for _ in 0..values {
             self.text.skip_blanks();
             if self.text.word().is_empty() {
-                return Err(self.bad_value(element, row, property, "the end of "));
+                return Err(self.bad_value(element, row, property, Wanted::Item));
             }
         }
         Ok(())
@@ -114,7 +137,7 @@ impl<'a> Ascii<'a> {
             Some(count @ 0..) => Ok(count),
             _ => {
                 self.text.at = start;
-                Err(self.bad_value(element, row, property, "the number of values in "))
+                Err(self.bad_value(element, row, property, Wanted::Count))
             }
         }
     }
@@ -144,7 +167,7 @@ impl Rows for Ascii<'_> {
                 self.text.skip_blanks();
                 match self.text.float() {
                     Some(value) => values[usize::from(*slot)] = value,
-                    None => return Err(self.bad_value(element, row, property, "")),
+                    None => return Err(self.bad_value(element, row, property, Wanted::Number)),
                 }
             }
             self.end();
@@ -182,7 +205,7 @@ impl Rows for Ascii<'_> {
                     self.text.skip_blanks();
                     let at = self.text.at;
                     let Some(value) = self.text.integer() else {
-                        return Err(self.bad_value(element, row, property, "an index in "));
+                        return Err(self.bad_value(element, row, property, Wanted::Index));
                     };
                     match plan.index(value) {
                         Some(index) => indices.push(index),

@@ -120,7 +120,7 @@ impl Header {
     pub fn read(file: &File<'_>) -> Result<Self, SceneError> {
         let mut lines = Lines::new(file)?;
         let mut encoding = None;
-        let mut elements: Vec<Element> = Vec::new();
+        let mut elements = Vec::new();
         loop {
             let Some(line) = lines.next() else {
                 return Err(file.error(
@@ -128,61 +128,12 @@ impl Header {
                     "the file ends within the header; expected `end_header`",
                 ));
             };
-            let fail = |problem: String| Err(file.error(Place::Line(lines.number), problem));
-            let words: Vec<&[u8]> = words(line).take(8).collect();
-            match *words.as_slice() {
-                [] | [b"comment" | b"obj_info", ..] => {}
-                [b"end_header"] => break,
-                [b"format", name, version] => {
-                    encoding = Some(match name {
-                        b"ascii" => Encoding::Ascii,
-                        b"binary_little_endian" => Encoding::LittleEndian,
-                        b"binary_big_endian" => Encoding::BigEndian,
-                        _ => {
-                            return fail(format!(
-                                "unknown format {}; expected ascii, binary_little_endian or \
-                                 binary_big_endian",
-                                quote(name)
-                            ));
-                        }
-                    });
-                    if version != b"1.0" {
-                        return fail(format!("version {} of PLY; expected 1.0", quote(version)));
-                    }
-                }
-                [b"element", name, count] => {
-                    let text = str::from_utf8(count).unwrap_or_default();
-                    let Ok(count) = text.parse() else {
-                        return fail(format!(
-                            "element {} has {} rows; expected a whole number",
-                            quote(name),
-                            quote(count)
-                        ));
-                    };
-                    elements.push(Element {
-                        name: String::from_utf8_lossy(name).into_owned(),
-                        count,
-                        properties: Vec::new(),
-                        line: lines.number,
-                    });
-                }
-                [b"property", ref kind @ .., name] => {
-                    let Some(element) = elements.last_mut() else {
-                        return fail(format!("property {} comes before any element", quote(name)));
-                    };
-                    element.properties.push(Property {
-                        name: String::from_utf8_lossy(name).into_owned(),
-                        kind: Kind::read(kind).or_else(fail)?,
-                        line: lines.number,
-                    });
-                }
-                _ => {
-                    return fail(format!(
-                        "{} is no line of a PLY header; expected format, element NAME COUNT, property \
-                         TYPE NAME, comment or end_header",
-                        quote(line)
-                    ));
-                }
+            match Statement::read(line, &mut elements, lines.number)
+                .map_err(|problem| file.error(Place::Line(lines.number), problem))?
+            {
+                Statement::Format(said) => encoding = Some(said),
+                Statement::Other => {}
+                Statement::End => break,
             }
         }
         let Some(encoding) = encoding else {
@@ -238,6 +189,75 @@ impl Header {
             left -= smallest;
         }
         Ok(())
+    }
+}
+
+/// What a line of the header says, apart from elements and their properties.
+enum Statement {
+    Format(Encoding),
+    End,
+    Other,
+}
+
+impl Statement {
+    /// Reads a line; an element or a property goes into the list.
+    fn read(line: &[u8], elements: &mut Vec<Element>, number: usize) -> Result<Self, String> {
+        // No statement has more than five words, but a comment may have millions.
+        let words: Vec<&[u8]> = words(line).take(6).collect();
+        match *words.as_slice() {
+            [] | [b"comment" | b"obj_info", ..] => Ok(Self::Other),
+            [b"end_header"] => Ok(Self::End),
+            [b"format", name, version] => Ok(Self::Format(Encoding::read(name, version)?)),
+            [b"element", name, count] => {
+                let parsed = str::from_utf8(count).ok().and_then(|c| c.parse().ok());
+                elements.push(Element {
+                    name: String::from_utf8_lossy(name).into_owned(),
+                    count: parsed.ok_or_else(|| {
+                        format!(
+                            "element {} has {} rows; expected a whole number",
+                            quote(name),
+                            quote(count)
+                        )
+                    })?,
+                    properties: Vec::new(),
+                    line: number,
+                });
+                Ok(Self::Other)
+            }
+            [b"property", ref kind @ .., name] => {
+                let element = elements
+                    .last_mut()
+                    .ok_or_else(|| format!("property {} comes before any element", quote(name)))?;
+                element.properties.push(Property {
+                    name: String::from_utf8_lossy(name).into_owned(),
+                    kind: Kind::read(kind)?,
+                    line: number,
+                });
+                Ok(Self::Other)
+            }
+            _ => Err(format!(
+                "{} is no line of a PLY header; expected `format NAME 1.0`, `element NAME COUNT`, \
+                 `property TYPE NAME`, `comment ...` or `end_header`",
+                quote(line)
+            )),
+        }
+    }
+}
+
+impl Encoding {
+    fn read(name: &[u8], version: &[u8]) -> Result<Self, String> {
+        if version != b"1.0" {
+            return Err(format!("version {} of PLY; expected 1.0", quote(version)));
+        }
+        match name {
+            b"ascii" => Ok(Self::Ascii),
+            b"binary_little_endian" => Ok(Self::LittleEndian),
+            b"binary_big_endian" => Ok(Self::BigEndian),
+            _ => Err(format!(
+                "unknown format {}; expected ascii, binary_little_endian or binary_big_endian",
+                quote(name)
+            )),
+        }
     }
 }
 

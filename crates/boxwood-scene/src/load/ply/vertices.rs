@@ -5,7 +5,6 @@ use super::scalar::Scalar;
 use crate::SceneError;
 use crate::error::Place;
 use crate::load::file::File;
-use crate::load::text::quote;
 use std::sync::LazyLock;
 
 /// The numbers of a vertex that Boxwood has a use for, in the order of [`Row`]: each under the names that writers
@@ -209,7 +208,8 @@ impl Vertices {
             let [x, y, z] = normal.map(f64::from);
             let length_squared = x * x + y * y + z * z;
             // What a writer rounded to a unit vector stays as it is.
-            if (length_squared - 1.0).abs() > 1e-5 {
+            let is_unit = (length_squared - 1.0).abs() <= 1e-5;
+            if !is_unit {
                 match unit([x, y, z]) {
                     Some(direction) => *normal = direction,
                     None => {
@@ -237,12 +237,13 @@ impl Vertices {
             let [a, b, c] = corners.map(|i| self.positions[i].map(f64::from));
             let e: [f64; 3] = std::array::from_fn(|k| b[k] - a[k]);
             let f: [f64; 3] = std::array::from_fn(|k| c[k] - a[k]);
-            for k in 0..3 {
+            let normal: [f64; 3] = std::array::from_fn(|k| {
                 let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-                let component = e[i] * f[j] - e[j] * f[i];
-                corners
-                    .iter()
-                    .for_each(|corner| sums[*corner][k] += component);
+                e[i] * f[j] - e[j] * f[i]
+            });
+            for corner in corners {
+                let sum = sums[corner].iter_mut().zip(normal);
+                sum.for_each(|(sum, component)| *sum += component);
             }
         }
         for ((normal, lost), sum) in self.normals.iter_mut().zip(lost).zip(sums) {
@@ -264,15 +265,6 @@ pub fn not_finite(vertex: usize, position: &[f32; 3]) -> String {
     let [x, y, z] = position;
     format!(
         "vertex {vertex} stands at ({x}, {y}, {z}) in single precision; expected finite coordinates"
-    )
-}
-
-/// What to say about a value that is no number.
-pub fn not_a_number(word: &[u8], name: &str, row: usize) -> String {
-    format!(
-        "expected a number for {} of vertex {row}, found {}",
-        quote(name),
-        quote(word)
     )
 }
 

@@ -166,7 +166,6 @@ impl<'a> Reader<'a> {
 
     #[inline]
     fn expect(&mut self, keyword: &str) -> Result<(), SceneError> {
-        // A closure would be asked for a message that is hardly ever needed.
         self.text.skip_white();
         let at = self.text.at;
         let word = self.text.word();
@@ -176,30 +175,20 @@ impl<'a> Reader<'a> {
         self.text.at = at;
         let expected = quote(keyword);
         let (word, at) = self.word(&expected)?;
-        // A keyword without its end is what a file looks like that was cut off.
-        Err(
-            if self.text.at_end()
-                && keyword.len() > word.len()
-                && keyword.as_bytes().starts_with(word)
-            {
-                self.file.error(
-                    self.file.last_line(),
-                    format!(
-                        "the file ends within a solid; expected {expected}, found {}",
-                        quote(word)
-                    ),
-                )
-            } else {
-                self.unexpected(word, at, &expected)
-            },
-        )
+        Err(self.unexpected(word, at, &expected))
     }
 
     #[cold]
     fn unexpected(&self, word: &[u8], at: usize, expected: &str) -> SceneError {
+        // The last word of a file that was cut off is seldom whole.
+        let cut = if self.text.at_end() {
+            "the file ends within a solid; "
+        } else {
+            ""
+        };
         self.file.error(
             self.file.line_of(at),
-            format!("expected {expected}, found {}", quote(word)),
+            format!("{cut}expected {expected}, found {}", quote(word)),
         )
     }
 }
