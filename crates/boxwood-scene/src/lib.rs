@@ -10,7 +10,9 @@ mod error;
 mod image;
 pub mod load;
 mod material;
+mod normals;
 mod scene;
+mod triangulate;
 
 pub use error::{Place, SceneError};
 pub use image::{Image, ImageData};
