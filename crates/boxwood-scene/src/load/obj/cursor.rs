@@ -4,7 +4,7 @@
 //! reads as a blank, so that a statement may span several lines; `\n`, `\r\n` and a lone `\r` end a line; the end of
 //! the file reads as the end of a line. *Cost.* One look at every byte.
 
-use super::number;
+use crate::load::decimal;
 
 /// A position in a text.
 pub(super) struct Cursor<'a> {
@@ -112,16 +112,12 @@ impl<'a> Cursor<'a> {
         if !self.skip_blanks() {
             return None;
         }
-        if let Some((value, length)) = number::quick(&self.bytes[self.at..])
-            && self.ends_word(self.at + length)
-        {
+        let (value, length) = decimal::float(&self.bytes[self.at..])?;
+        let whole = self.ends_word(self.at + length);
+        if whole {
             self.at += length;
-            return Some(value);
         }
-        let word = self.peek_word();
-        let value = number::exact(word)?;
-        self.at += word.len();
-        Some(value)
+        whole.then_some(value)
     }
 
     /// A whole number with sign, up to anything but a digit. `None`: there is no digit; too large ones saturate.

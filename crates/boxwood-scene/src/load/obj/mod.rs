@@ -11,7 +11,6 @@ mod cursor;
 mod map;
 mod mesh_builder;
 mod mtl;
-mod number;
 mod phong;
 mod statements;
 mod vertices;

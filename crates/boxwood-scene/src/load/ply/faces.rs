@@ -5,6 +5,7 @@ use crate::SceneError;
 use crate::error::Place;
 use crate::load::file::File;
 use crate::load::text::quote;
+use crate::triangulate::Triangulator;
 
 /// Ends a strip among the indices of [`Faces::strip`]: no vertex has this number.
 pub const RESTART: u32 = u32::MAX;
@@ -85,12 +86,16 @@ impl FacePlan {
 }
 
 /// The triangles so far.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Faces {
     /// In file order.
     pub triangles: Vec<[u32; 3]>,
     /// Where the first face with fewer than three corners was, and how many there are.
     pub skipped: Option<(Place, usize)>,
+    triangulator: Triangulator,
+    /// The polygon at hand, and its triangles as numbers of its corners.
+    corners: Vec<[f32; 3]>,
+    cut: Vec<[u32; 3]>,
 }
 
 impl Faces {
@@ -110,8 +115,19 @@ impl Faces {
                 Some((_, count)) => *count += 1,
                 none => *none = Some((place(), 1)),
             },
-            (Shape::Polygon, _) => triangulate_polygon(positions, indices, &mut self.triangles),
+            (Shape::Polygon, _) => self.polygon(indices, positions),
         }
+    }
+
+    /// Four or more corners.
+    fn polygon(&mut self, indices: &[u32], positions: &[[f32; 3]]) {
+        self.corners.clear();
+        self.corners
+            .extend(indices.iter().map(|&i| positions[i as usize]));
+        self.cut.clear();
+        self.triangulator.triangulate(&self.corners, &mut self.cut);
+        let vertices = |t: &[u32; 3]| t.map(|corner| indices[corner as usize]);
+        self.triangles.extend(self.cut.iter().map(vertices));
     }
 
     /// Every second triangle of a strip is turned round. Triangles that name a vertex twice only join one strip to
@@ -139,16 +155,6 @@ impl Faces {
         };
         Some(file.warning(place.clone(), text))
     }
-}
-
-/// Cuts a polygon of four or more corners into `n - 2` triangles: a fan, right for convex ones.
-fn triangulate_polygon(_positions: &[[f32; 3]], polygon: &[u32], out: &mut Vec<[u32; 3]>) {
-    out.extend(
-        polygon
-            .windows(2)
-            .skip(1)
-            .map(|edge| [polygon[0], edge[0], edge[1]]),
-    );
 }
 
 #[cfg(test)]
