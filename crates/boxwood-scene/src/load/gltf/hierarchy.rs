@@ -24,7 +24,8 @@ impl Hierarchy {
     /// Checks all nodes and lists those of the scene to be shown: the default one, else the first, else all nodes.
     pub fn read(file: &File<'_>) -> Result<Self, SceneError> {
         let nodes = &file.root.nodes;
-        let bytes = (nodes.len() * (size_of::<Matrix>() + 8 * size_of::<u32>())) as u64;
+        // A matrix and the numbers in the lists below.
+        let bytes = (nodes.len() * (size_of::<Matrix>() + 32)) as u64;
         file.spend(bytes, || "nodes".to_owned())?;
         let parents = parents(file)?;
         let roots: Vec<u32> = (0..nodes.len() as u32)
