@@ -14,6 +14,7 @@ pub mod load;
 mod material;
 mod normals;
 mod scene;
+mod srgb;
 mod triangulate;
 
 pub use error::{Place, SceneError};
@@ -22,3 +23,4 @@ pub use image::{Image, ImageData};
 pub use load::{Files, Folder, Format, NoFiles, Source};
 pub use material::{Alpha, Material, TextureMap, Wrap};
 pub use scene::{Camera, Environment, Instance, Light, LightKind, Mesh, Projection, Scene};
+pub use srgb::srgb_to_linear;

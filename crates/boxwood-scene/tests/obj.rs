@@ -132,7 +132,7 @@ fn a_mesh_begins_where_object_group_or_material_change_between_faces() {
     assert_eq!(scene.materials[1].name, "m");
     // `n` has no faces, so nobody misses it.
     let sentence =
-        "test.obj, line 13: no material library has the material \"m\"; a grey one takes its place";
+        "test.obj, line 13: no material library has the material `m`; a grey one takes its place";
     assert_eq!(scene.warnings, [sentence]);
 }
 
@@ -181,11 +181,11 @@ fn errors_name_line_and_expectation() {
         ),
         (
             "f 1 2 x",
-            "a face corner has \"x\", but v, v/vt, v//vn or v/vt/vn with whole numbers was expected",
+            "a face corner has `x`, but v, v/vt, v//vn or v/vt/vn with whole numbers was expected",
         ),
         (
             "f 1 2 3.5",
-            "a face corner has \".5\", but v, v/vt, v//vn or v/vt/vn with whole numbers was expected",
+            "a face corner has `.5`, but v, v/vt, v//vn or v/vt/vn with whole numbers was expected",
         ),
         (
             "v 1 2",
@@ -193,11 +193,11 @@ fn errors_name_line_and_expectation() {
         ),
         (
             "v 1 2,5 3",
-            "\"2,5\" is not a number, but 3 coordinates were expected",
+            "`2,5` is not a number, but 3 coordinates were expected",
         ),
         (
             "v 1 2 3.1+e2",
-            "\"3.1+e2\" is not a number, but 3 coordinates were expected",
+            "`3.1+e2` is not a number, but 3 coordinates were expected",
         ),
         (
             "v 1 2 1e400",
@@ -209,7 +209,7 @@ fn errors_name_line_and_expectation() {
         ),
         (
             "v 1 2 3 red",
-            "\"red\" is not a number, but a weight or a colour were expected",
+            "`red` is not a number, but a weight or a colour were expected",
         ),
         (
             "vt",
@@ -224,11 +224,11 @@ fn errors_name_line_and_expectation() {
     }
     assert_eq!(
         problem(""),
-        "test.obj: is empty, but OBJ statements such as \"v 0 0 0\" were expected"
+        "test.obj: is empty, but OBJ statements such as `v 0 0 0` were expected"
     );
     assert_eq!(
         problem("<html>\n</html>"),
-        "test.obj, line 1: \"<html>\" is no OBJ statement, and there is none in the whole file"
+        "test.obj, line 1: `<html>` is no OBJ statement, and there is none in the whole file"
     );
     assert_eq!(
         problem("v 0 0\0"),
@@ -254,8 +254,8 @@ fn what_can_be_passed_over_is_told_once() {
             "test.obj, line 10: a texture coordinate that is not finite; 0 takes its place",
             "test.obj, line 12: a face names texture coordinate 2, but 1 to 1 were expected; the corner goes without (and 1 more like this)",
             "test.obj, line 12: a face names normal 3, but 1 to 1 were expected; the corner goes without (and 1 more like this)",
-            "test.obj, line 13: \"curv\" statements are not supported; passed over",
-            "test.obj, line 14: \"blah\" is no OBJ statement; passed over",
+            "test.obj, line 13: `curv` statements are not supported; passed over",
+            "test.obj, line 14: `blah` is no OBJ statement; passed over",
         ]
     );
     assert_eq!(scene.triangle_count(), 2);
@@ -284,12 +284,12 @@ fn libraries_are_found_and_their_flaws_told() {
     assert_eq!(scene.materials[0].base_color, [1.0, 0.0, 0.0, 1.0]);
     assert_eq!(scene.materials[2].transmission, 1.0);
     let expected = [
-        "test.obj, line 5: material library \"gone.mtl\" cannot be read (entity not found); grey materials take its place",
-        "my lib.mtl, line 1: \"Kd\" stands before any newmtl; passed over",
-        "my lib.mtl, line 4: \"Ks\": a finite number was expected, but \"one\" follows; the line is passed over",
-        "my lib.mtl, line 5: image \"gone.png\" cannot be read (entity not found); the material goes without",
-        "my lib.mtl, line 6: material \"red\" is defined again; the first one counts",
-        "sub/b.mtl, line 3: image \"sub/text.png\" cannot be used",
+        "test.obj, line 5: material library `gone.mtl` cannot be read (entity not found); grey materials take its place",
+        "my lib.mtl, line 1: `Kd` stands before any newmtl; passed over",
+        "my lib.mtl, line 4: `Ks`: a finite number was expected, but `one` follows; the line is passed over",
+        "my lib.mtl, line 5: image `gone.png` cannot be read (entity not found); the material goes without",
+        "my lib.mtl, line 6: material `red` is defined again; the first one counts",
+        "sub/b.mtl, line 3: image `sub/text.png` cannot be used",
     ];
     assert_eq!(
         scene.warnings.len(),
@@ -409,7 +409,7 @@ fn broken_files_say_what_is_wrong_and_where() {
         ),
         (
             "number_formats",
-            ", line 11: \"3.1+e2\" is not a number, but 3 coordinates were expected",
+            ", line 11: `3.1+e2` is not a number, but 3 coordinates were expected",
         ),
         (
             "box_UTF16BE",
@@ -425,7 +425,7 @@ fn broken_files_say_what_is_wrong_and_where() {
     println!("{}", scene.warnings.join("\n"));
     assert_eq!((scene.triangle_count(), scene.warnings.len()), (1, 2));
     assert!(scene.warnings[0].contains("line 9: a face with 2 corners"));
-    assert!(scene.warnings[1].contains("line 1: material library \"surface.mtl\" cannot be read"));
+    assert!(scene.warnings[1].contains("line 1: material library `surface.mtl` cannot be read"));
 }
 
 #[test]

@@ -205,21 +205,6 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// A word for a message: short, printable, in quotes.
-pub(super) fn quoted(word: &[u8]) -> String {
-    const LONGEST: usize = 40;
-    let text = String::from_utf8_lossy(&word[..word.len().min(4 * LONGEST)]);
-    let mut short: String = text
-        .chars()
-        .take(LONGEST)
-        .map(|c| if c.is_control() { '\u{FFFD}' } else { c })
-        .collect();
-    if word.len() > short.len() {
-        short.push('…');
-    }
-    format!("\"{short}\"")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -247,12 +232,5 @@ mod tests {
         assert_eq!(cursor.rest(), ".\\my wood #2.png");
         cursor.next_line();
         assert_eq!(cursor.word(), b"next");
-    }
-
-    #[test]
-    fn quoted_words_are_short_and_printable() {
-        assert_eq!(quoted(b"3.1+e2"), "\"3.1+e2\"");
-        assert_eq!(quoted(b"a\0b"), "\"a\u{FFFD}b\"");
-        assert!(quoted(&[b'x'; 5000]).chars().count() < 50);
     }
 }

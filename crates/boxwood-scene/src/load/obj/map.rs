@@ -1,6 +1,7 @@
 //! A texture statement of MTL: options, then a file name that may hold blanks.
 
-use super::cursor::{Cursor, quoted};
+use super::cursor::Cursor;
+use crate::load::text::quote;
 use crate::{TextureMap, Wrap};
 
 /// What stands behind `map_Kd` and the like.
@@ -98,7 +99,7 @@ impl MapStatement {
 fn number(cursor: &mut Cursor, option: &[u8]) -> Result<f32, String> {
     optional_number(cursor).ok_or_else(|| {
         let option = String::from_utf8_lossy(option);
-        let word = quoted(cursor.peek_word());
+        let word = quote(cursor.peek_word());
         format!("a finite number was expected behind {option}, but {word} stands there")
     })
 }
@@ -135,7 +136,7 @@ mod tests {
     #[test]
     fn what_is_missing_is_named() {
         assert!(read("").unwrap_err().contains("name of an image"));
-        assert!(read("-bm wood.png").unwrap_err().contains("\"wood.png\""));
+        assert!(read("-bm wood.png").unwrap_err().contains("`wood.png`"));
         assert_eq!(read("-odd.png").unwrap().name, "-odd.png");
     }
 }

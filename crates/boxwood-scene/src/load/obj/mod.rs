@@ -18,6 +18,7 @@ mod warnings;
 
 use super::Source;
 use crate::error::Place;
+use crate::load::text::quote;
 use crate::scene::Instance;
 use crate::{Material, Scene, SceneError};
 use boxwood::Affine;
@@ -94,7 +95,7 @@ fn bind(
 
 fn unknown_material(warnings: &mut Warnings, line: Line, name: &str) {
     warnings.of_kind("unknown material", line, || {
-        let name = cursor::quoted(name.as_bytes());
+        let name = quote(name.as_bytes());
         format!("no material library has the material {name}; a grey one takes its place")
     });
 }
@@ -122,7 +123,7 @@ fn check_is_text(bytes: &[u8], file: &str) -> Result<(), SceneError> {
     if bytes.trim_ascii().is_empty() {
         return Err(malformed(
             Place::File,
-            "is empty, but OBJ statements such as \"v 0 0 0\" were expected",
+            "is empty, but OBJ statements such as `v 0 0 0` were expected",
         ));
     }
     if let Some(at) = bytes.iter().take(4096).position(|&byte| byte == 0) {

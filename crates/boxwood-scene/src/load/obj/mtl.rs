@@ -4,11 +4,12 @@
 //! one begins. Nothing in a library is worth losing the scene: what is wrong becomes a warning with file and line.
 
 use super::Line;
-use super::cursor::{Cursor, quoted};
+use super::cursor::Cursor;
 use super::map::MapStatement;
 use super::phong::Phong;
 use super::warnings::Warnings;
 use crate::load::Source;
+use crate::load::text::quote;
 use crate::{Image, Material, SceneError, TextureMap};
 use std::collections::{HashMap, HashSet};
 use std::io;
@@ -48,7 +49,7 @@ impl Library {
                 Ok(bytes) => self.parse(&bytes, &path, source),
                 Err(error) => {
                     all_found = false;
-                    let name = quoted(path.as_bytes());
+                    let name = quote(path.as_bytes());
                     warnings.each(
                         line,
                         format!(
@@ -82,7 +83,7 @@ impl Library {
                         let name = cursor.name();
                         if !self.names.insert(name.clone()) {
                             warnings.of_kind("again", line, || {
-                                let name = quoted(name.as_bytes());
+                                let name = quote(name.as_bytes());
                                 format!("material {name} is defined again; the first one counts")
                             });
                         }
@@ -96,7 +97,7 @@ impl Library {
                             phong.statement(word, &mut cursor, line, &mut warnings, map);
                         }
                         None => warnings.of_kind("before newmtl", line, || {
-                            format!("{} stands before any newmtl; passed over", quoted(word))
+                            format!("{} stands before any newmtl; passed over", quote(word))
                         }),
                     },
                 }
@@ -132,7 +133,7 @@ impl Library {
                         Some(self.images.len() as u32 - 1)
                     }
                     Err(problem) => {
-                        let name = quoted(path.as_bytes());
+                        let name = quote(path.as_bytes());
                         let problem = format!("image {name} {problem}; the material goes without");
                         warnings.each(line, problem);
                         None

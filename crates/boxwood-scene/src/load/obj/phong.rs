@@ -6,9 +6,10 @@
 //! *Source.* Wavefront, MTL specification; Walter et al. 2007, *Microfacet Models for Refraction* (Phong exponents).
 
 use super::Line;
-use super::cursor::{Cursor, quoted};
+use super::cursor::Cursor;
 use super::map::MapStatement;
 use super::warnings::Warnings;
+use crate::load::text::quote;
 use crate::{Alpha, Material, TextureMap};
 
 /// The statements of one material, unset ones `None`.
@@ -96,7 +97,7 @@ impl Phong {
             }
             b"map_Ks" | b"map_Ns" | b"map_Pr" | b"map_Pm" | b"refl" => {
                 warnings.of_kind("other map", line, || {
-                    format!("{} is not supported; passed over", quoted(word))
+                    format!("{} is not supported; passed over", quote(word))
                 });
                 Ok(())
             }
@@ -104,7 +105,7 @@ impl Phong {
         };
         if let Err(problem) = result {
             warnings.of_kind("value", line, || {
-                format!("{}: {problem}; the line is passed over", quoted(word))
+                format!("{}: {problem}; the line is passed over", quote(word))
             });
         }
     }
@@ -190,7 +191,7 @@ fn number(cursor: &mut Cursor) -> Result<f32, String> {
         Some(value) if value.is_finite() => Ok(value),
         _ => Err(match cursor.peek_word() {
             [] => "a finite number was expected".to_owned(),
-            word => format!("a finite number was expected, but {} follows", quoted(word)),
+            word => format!("a finite number was expected, but {} follows", quote(word)),
         }),
     }
 }
@@ -198,7 +199,7 @@ fn number(cursor: &mut Cursor) -> Result<f32, String> {
 /// `r g b`, or `r` for all three.
 fn color(cursor: &mut Cursor) -> Result<[f32; 3], String> {
     if matches!(cursor.peek_word(), b"spectral" | b"xyz") {
-        let kind = quoted(cursor.word());
+        let kind = quote(cursor.word());
         return Err(format!("{kind} colours are not supported"));
     }
     let red = number(cursor)?;

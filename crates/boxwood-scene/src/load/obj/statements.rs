@@ -5,11 +5,12 @@
 //! triangles are passed over.
 
 use super::Line;
-use super::cursor::{Cursor, quoted};
+use super::cursor::Cursor;
 use super::mesh_builder::{Corner, MeshBuilder, NONE};
 use super::vertices::Vertices;
 use super::warnings::Warnings;
 use crate::error::Place;
+use crate::load::text::quote;
 use crate::triangulate::Triangulator;
 use crate::{Mesh, SceneError};
 use std::collections::HashMap;
@@ -161,7 +162,7 @@ impl Reader<'_> {
             }
             b"curv" | b"curv2" | b"surf" | b"call" | b"csh" => {
                 self.document.warnings.of_kind("free form", line, || {
-                    format!("{} statements are not supported; passed over", quoted(word))
+                    format!("{} statements are not supported; passed over", quote(word))
                 });
                 true
             }
@@ -169,7 +170,7 @@ impl Reader<'_> {
         };
         self.knows_any |= known;
         if !known && self.unknown.is_none() {
-            self.unknown = Some((line, quoted(word)));
+            self.unknown = Some((line, quote(word)));
         }
     }
 
@@ -271,7 +272,7 @@ impl Reader<'_> {
 
     #[cold]
     fn bad_corner(&mut self) -> SceneError {
-        let rest = quoted(self.cursor.word());
+        let rest = quote(self.cursor.word());
         self.malformed(format!(
             "a face corner has {rest}, but v, v/vt, v//vn or v/vt/vn with whole numbers was expected"
         ))

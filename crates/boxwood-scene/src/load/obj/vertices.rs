@@ -1,8 +1,10 @@
 //! The vertex data of a whole OBJ file: positions with colours, texture coordinates, normals.
 
 use super::Line;
-use super::cursor::{Cursor, quoted};
+use super::cursor::Cursor;
 use super::warnings::Warnings;
+use crate::load::text::quote;
+use crate::srgb_to_linear;
 
 /// What `v`, `vt` and `vn` have said so far.
 #[derive(Default)]
@@ -69,7 +71,7 @@ impl Vertices {
             );
             values = [1.0; 3];
         }
-        let [r, g, b] = values.map(|value| srgb_to_linear(value.clamp(0.0, 1.0)));
+        let [r, g, b] = values.map(|value| srgb_to_linear(f64::from(value.clamp(0.0, 1.0))) as f32);
         self.colors.resize(self.positions.len() - 1, [1.0; 4]);
         self.colors.push([r, g, b, 1.0]);
         Ok(())
@@ -135,15 +137,6 @@ fn not_finite(axis: usize) -> String {
 fn missing(cursor: &mut Cursor, what: &str, index: usize) -> String {
     match cursor.peek_word() {
         [] => format!("the line ends after {index} numbers, but {what} were expected"),
-        word => format!("{} is not a number, but {what} were expected", quoted(word)),
-    }
-}
-
-/// Colours of vertices are stored as they look on a screen.
-fn srgb_to_linear(value: f32) -> f32 {
-    if value <= 0.04045 {
-        value / 12.92
-    } else {
-        libm::powf((value + 0.055) / 1.055, 2.4)
+        word => format!("{} is not a number, but {what} were expected", quote(word)),
     }
 }

@@ -5,6 +5,7 @@ use super::scalar::Scalar;
 use crate::SceneError;
 use crate::error::Place;
 use crate::load::file::File;
+use crate::srgb_to_linear;
 use std::sync::LazyLock;
 
 /// The numbers of a vertex that Boxwood has a use for, in the order of [`Row`]: each under the names that writers
@@ -297,24 +298,14 @@ fn color(raw: [f32; 4], scales: &[Scale; 4]) -> [f32; 4] {
             Scale::Shorts if is_alpha => (value / 65535.0).clamp(0.0, 1.0),
             // The cast brings everything into 0..=255.
             Scale::Bytes => LINEAR_OF_BYTE[usize::from(value as u8)],
-            Scale::Shorts => linear_of_srgb(value / 65535.0),
+            Scale::Shorts => srgb_to_linear(f64::from(value.clamp(0.0, 65535.0)) / 65535.0) as f32,
         };
     }
     linear
 }
 
 static LINEAR_OF_BYTE: LazyLock<[f32; 256]> =
-    LazyLock::new(|| std::array::from_fn(|byte| linear_of_srgb(byte as f32 / 255.0)));
-
-/// The sRGB transfer function of IEC 61966-2-1, by the portable maths library.
-fn linear_of_srgb(value: f32) -> f32 {
-    let value = f64::from(value.clamp(0.0, 1.0));
-    if value <= 0.04045 {
-        (value / 12.92) as f32
-    } else {
-        libm::pow((value + 0.055) / 1.055, 2.4) as f32
-    }
-}
+    LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear(byte as f64 / 255.0) as f32));
 
 #[cfg(test)]
 mod tests {
