@@ -6,6 +6,7 @@
 //! and material.
 #![forbid(unsafe_code)]
 
+pub mod builtin;
 mod error;
 mod flatten;
 mod image;

@@ -1,0 +1,87 @@
+//! Scenes made by code: no file needed, the same bits on every machine.
+//!
+//! *How it works.* Each scene has a name and a function that fills the tables of a [`Scene`]. Only the four basic
+//! operations, square roots and the functions of `libm` are used, so every machine computes the same scene.
+//!
+//! *Source.* "Teapot in a stadium" is an old name for what troubles uniform grids: a small thing with all the detail in
+//! the middle of a large one (E. Haines, *Ray Tracing News* 1(3), 1988).
+
+mod newell;
+mod oval;
+mod pitch;
+mod seats;
+mod solids;
+mod stadium;
+mod stage;
+mod still_life;
+mod teapot;
+#[cfg(test)]
+mod tests;
+
+pub use teapot::{MAX_SUBDIVISIONS, teapot};
+
+use crate::scene::{Camera, Light, LightKind, Projection, Scene};
+use boxwood::Vec3;
+use stage::Stage;
+
+/// The names that [`by_name`] knows.
+pub const NAMES: &[&str] = &["teapot-in-stadium"];
+
+/// The scene of that name, or `None` for a name that is not among [`NAMES`].
+pub fn by_name(name: &str) -> Option<Scene> {
+    match name {
+        "teapot-in-stadium" => Some(teapot_in_stadium()),
+        _ => None,
+    }
+}
+
+/// Newell's teapot in glazed clay on the centre spot of a stadium 199 m long, among glass, mirror and brass, in the
+/// light of a late afternoon.
+///
+/// The cameras are `main`, close to the table, and `overview`, high up in the stands.
+pub fn teapot_in_stadium() -> Scene {
+    let mut stage = Stage::default();
+    still_life::still_life(&mut stage);
+    pitch::pitch(&mut stage);
+    stadium::stadium(&mut stage);
+    let mut scene = stage.scene;
+    scene.lights = vec![
+        Light {
+            name: "sun".into(),
+            kind: LightKind::Directional {
+                direction: Vec3::new(0.58, -0.5, -0.64).normalized().to_array(),
+                irradiance: [3.4, 3.0, 2.4],
+            },
+        },
+        // A white cloth held over the table, out of the picture: it softens the shadows and shines in the glaze.
+        Light {
+            name: "softbox".into(),
+            kind: LightKind::Rectangle {
+                corner: [0.6, 2.6, 1.2],
+                edge_u: [1.2, 0.0, 0.0],
+                edge_v: [0.0, 0.5, -0.9],
+                radiance: [1.6, 1.7, 1.9],
+            },
+        },
+    ];
+    scene.cameras = vec![
+        camera("main", [0.26, 0.735, 1.3], [0.04, 0.86, 0.0], 42.0),
+        camera("overview", [-56.0, 19.0, 52.0], [6.0, 3.0, 0.0], 50.0),
+    ];
+    scene
+}
+
+/// A camera with a level horizon; the vertical field of view is in degrees.
+fn camera(name: &str, eye: [f32; 3], target: [f32; 3], vfov: f32) -> Camera {
+    let forward = (Vec3::from(target) - Vec3::from(eye)).normalized();
+    let right = forward.cross(Vec3::new(0.0, 1.0, 0.0)).normalized();
+    Camera {
+        name: name.into(),
+        eye,
+        forward: forward.to_array(),
+        up: right.cross(forward).to_array(),
+        projection: Projection::Perspective {
+            vfov: vfov.to_radians(),
+        },
+    }
+}
