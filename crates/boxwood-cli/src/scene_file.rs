@@ -2,9 +2,12 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::progress::Progress;
-use boxwood_scene::{FlatScene, Format, Scene};
+use boxwood_scene::{FlatScene, Format, Scene, builtin};
 use std::path::Path;
 use std::time::Instant;
+
+/// The scene of who names none.
+pub const DEFAULT: &str = "teapot-in-stadium";
 
 /// A scene with what is said about it.
 pub struct SceneFile {
@@ -17,7 +20,7 @@ pub struct SceneFile {
     pub seconds: f64,
 }
 
-/// Reads the scene.
+/// Reads a scene file; where there is none of that name, makes the built-in scene of that name.
 ///
 /// # Errors
 /// One sentence that names the file.
@@ -25,12 +28,18 @@ pub fn open(path: &Path) -> Outcome<SceneFile> {
     let start = Instant::now();
     let name = path.display().to_string();
     let _progress = Progress::spinner(format!("Reading {name}"));
-    let scene = Scene::load(path)?;
-    let format = match Format::of_path(path) {
-        Some(Format::Obj) => "obj",
-        Some(Format::Ply) => "ply",
-        Some(Format::Stl) => "stl",
-        Some(Format::Gltf) | None => "gltf",
+    let (scene, format) = match Format::of_path(path) {
+        // `try_exists` fails where the folder may not be searched; loading then says so.
+        _ if matches!(path.try_exists(), Ok(false)) => {
+            let made = path.to_str().and_then(builtin::by_name);
+            (made.ok_or_else(|| absent(path))?, "built-in")
+        }
+        Some(Format::Obj) => (Scene::load(path)?, "obj"),
+        Some(Format::Ply) => (Scene::load(path)?, "ply"),
+        Some(Format::Stl) => (Scene::load(path)?, "stl"),
+        Some(Format::Gltf) => (Scene::load(path)?, "gltf"),
+        // Fails, and says which kinds there are.
+        None => (Scene::load(path)?, "unknown"),
     };
     Ok(SceneFile {
         name,
@@ -40,11 +49,37 @@ pub fn open(path: &Path) -> Outcome<SceneFile> {
     })
 }
 
+fn absent(path: &Path) -> Failure {
+    let name = path.display();
+    // Who writes an extension means a file.
+    if path.extension().is_some() {
+        return Failure::new(format!("{name}: there is no such file"));
+    }
+    Failure::new(format!(
+        "{name}: there is no such file and no built-in scene of this name; built in: {}",
+        builtin::NAMES.join(", ")
+    ))
+}
+
 impl SceneFile {
     /// Every placement as one set of triangles.
+    ///
+    /// # Errors
+    /// One sentence that names the file.
     pub fn flatten(&self) -> Outcome<FlatScene> {
         self.scene
             .flatten()
             .map_err(|e| Failure::new(format!("{}: {e}", self.name)))
+    }
+
+    /// What its cameras answer to: their names, or their numbers from 0 where they have none.
+    pub fn camera_names(&self) -> Vec<String> {
+        (0..)
+            .zip(&self.scene.cameras)
+            .map(|(i, camera): (usize, _)| match camera.name.as_str() {
+                "" => i.to_string(),
+                name => name.to_string(),
+            })
+            .collect()
     }
 }

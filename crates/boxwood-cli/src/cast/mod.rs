@@ -37,7 +37,7 @@ pub fn run(args: &CastArgs) -> Outcome {
     let channel = output.as_ref().map_or(Channel::Stdout, Destination::report);
     let rays = rays::read(&args.rays)?;
     args.tracing.in_pool(|threads| {
-        let file = scene_file::open(Some(&args.scene))?;
+        let file = scene_file::open(&args.scene)?;
         terminal::warnings(&file.name, &file.scene.warnings);
         let flat = file.flatten()?;
 
