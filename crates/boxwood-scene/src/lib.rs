@@ -12,7 +12,9 @@ mod flatten;
 mod image;
 pub mod load;
 mod material;
+mod normals;
 mod scene;
+mod triangulate;
 
 pub use error::{Place, SceneError};
 pub use flatten::{FlatScene, Located};
