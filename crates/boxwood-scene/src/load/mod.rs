@@ -1,9 +1,12 @@
 //! Files in: one module per format, the same tables out.
 
+mod decimal;
+mod file;
 mod gltf;
 mod obj;
 mod ply;
 mod stl;
+mod text;
 
 use crate::{Scene, SceneError};
 use std::io;
