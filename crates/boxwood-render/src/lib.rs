@@ -1,2 +1,29 @@
-//! Whitted-style rendering.
+//! Whitted-style rendering on Boxwood: a [`Scene`](boxwood_scene::Scene) and a camera in, a picture out.
+//!
+//! *How it works.* [`Renderer::new`] lays the scene out once: triangles into a structure, images into filtered textures,
+//! lights and environment into things that can be sampled. [`Renderer::render`] sends rays through the pixels of a
+//! [`Camera`](boxwood_scene::Camera) ([`camera`] makes one), shades what they meet after Whitted 1980, and returns a
+//! [`Film`]: linear light with what each pixel shows beside it, which becomes a PNG or an EXR.
+//!
+//! *What can be relied on.* The film holds the same bits for any number of threads and on any machine: samples come from
+//! hashed pixel numbers, and all mathematics from `libm` or from operations that round correctly. No pixel is infinite
+//! or NaN.
+//!
+//! *Source.* Whitted 1980, *An Improved Illumination Model for Shaded Display*.
 #![forbid(unsafe_code)]
+
+pub mod camera;
+mod colour;
+mod environment;
+mod error;
+mod film;
+mod render;
+mod sample;
+mod shade;
+mod views;
+mod world;
+
+pub use error::RenderError;
+pub use film::{Film, Pixel, PngOptions};
+pub use render::{Options, Renderer, Setup};
+pub use views::{UnknownView, View};

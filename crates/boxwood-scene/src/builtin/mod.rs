@@ -3,8 +3,9 @@
 //! *How it works.* Each scene has a name and a function that fills the tables of a [`Scene`]. Only the four basic
 //! operations, square roots and the functions of `libm` are used, so every machine computes the same scene.
 //!
-//! *Source.* "Teapot in a stadium" is an old name for what troubles uniform grids: a small thing with all the detail in
-//! the middle of a large one (E. Haines, *Ray Tracing News* 1(3), 1988).
+//! *Source.* "Teapot in a stadium" is an old name for what troubles grids and octrees: a small thing with all the
+//! detail in the middle of a large one (E. Haines, "Spline Surface Rendering, and What's Wrong with Octrees", *Ray
+//! Tracing News* 1(2), 1988).
 
 mod newell;
 mod oval;
@@ -35,7 +36,7 @@ pub fn by_name(name: &str) -> Option<Scene> {
     }
 }
 
-/// Newell's teapot in glazed clay on the centre spot of a stadium 199 m long, among glass, mirror and brass, in the
+/// Newell's teapot in glazed clay on the centre spot of a stadium 186 m long, among glass, mirror and brass, in the
 /// light of a late afternoon.
 ///
 /// The cameras are `main`, close to the table, and `overview`, high up in the stands.
@@ -65,8 +66,8 @@ pub fn teapot_in_stadium() -> Scene {
         },
     ];
     scene.cameras = vec![
-        camera("main", [0.26, 0.735, 1.3], [0.04, 0.86, 0.0], 42.0),
-        camera("overview", [-56.0, 19.0, 52.0], [6.0, 3.0, 0.0], 50.0),
+        camera("main", [0.2, 0.785, 1.2], [0.12, 0.87, 0.0], 44.0),
+        camera("overview", [-56.0, 19.0, 52.0], [-2.0, 3.0, 0.0], 50.0),
     ];
     scene
 }

@@ -85,7 +85,7 @@ pub(super) fn seats(stage: &mut Stage, oval: &Oval, tiers: &[Tier]) {
     }
 }
 
-/// A seat without legs, 0.62 m wide, its floor at y = 0 and the view towards +z: a solid L of 20 triangles.
+/// A seat without legs, 0.7 m wide, its floor at y = 0 and the view towards +z: a solid L of 20 triangles.
 fn seat() -> Mesh {
     let profile = [
         [0.43, -0.12],
@@ -95,7 +95,7 @@ fn seat() -> Mesh {
         [0.85, -0.28],
         [0.85, -0.2],
     ];
-    prism(&profile, -0.31, 0.31)
+    prism(&profile, -0.35, 0.35)
 }
 
 /// The colour of a seat; `side` is how many seats the row has where there is room for the writing.
@@ -120,7 +120,7 @@ const X: [u8; 7] = [
     0b10001, 0b10001, 0b01010, 0b00100, 0b01010, 0b10001, 0b10001,
 ];
 const W: [u8; 7] = [
-    0b10001, 0b10001, 0b10001, 0b10101, 0b10101, 0b11011, 0b10001,
+    0b10001, 0b10001, 0b10101, 0b10101, 0b10101, 0b11111, 0b01010,
 ];
 const D: [u8; 7] = [
     0b11110, 0b10001, 0b10001, 0b10001, 0b10001, 0b10001, 0b11110,

@@ -1,4 +1,4 @@
-//! The building: two tiers of steps under a roof ring, with boards, ribs, lamps and flags. 199 m by 161 m by 26 m.
+//! The building: two tiers of steps under a roof ring, with boards, ribs, lamps and flags. 186 m by 148 m, 26 m high.
 //!
 //! *How it works.* Everything that runs around is a profile swept along the [`Oval`]; everything that repeats is one
 //! mesh with many placements. Parts that touch are sunk into each other, so that no two faces share a plane.
@@ -26,14 +26,14 @@ const TIERS: [Tier; 2] = [
     Tier {
         rows: 16,
         first: [14.8, 10.2],
-        step: [0.9, 0.62],
+        step: [0.9, 0.7],
         writing: true,
     },
 ];
 
 /// Puts the building up.
 pub(super) fn stadium(stage: &mut Stage) {
-    let concrete = stage.material(paint("concrete", [0.46, 0.44, 0.41], 0.9));
+    let concrete = stage.material(paint("concrete", [0.27, 0.265, 0.255], 0.9));
     let steel = stage.material(paint("steel, white", [0.78, 0.79, 0.8], 0.4));
     let membrane = stage.material(paint("roof membrane", [0.82, 0.82, 0.8], 0.7));
 
@@ -63,12 +63,12 @@ fn bowl() -> Vec<[f32; 2]> {
             profile.extend([[end, 11.0], [end + 0.3, 11.0]]);
         }
     }
-    profile.extend([[31.0, 21.0], [31.6, 21.0], [31.6, -0.5]]);
+    profile.extend([[31.0, 22.0], [31.6, 22.0], [31.6, -0.5]]);
     profile.reverse();
     profile
 }
 
-const ROOF: [[f32; 2]; 4] = [[23.0, 25.2], [33.0, 22.5], [33.0, 22.9], [23.0, 25.7]];
+const ROOF: [[f32; 2]; 4] = [[25.0, 26.0], [33.0, 23.8], [33.0, 24.2], [25.0, 26.5]];
 
 /// Where pennants fly to, in degrees from +z towards +x.
 pub(super) const WIND: f64 = 75.0;
@@ -125,12 +125,12 @@ fn posts() -> Vec<Station> {
 
 /// Columns behind the stands, the beams that carry the roof, and lamps under its inner edge.
 fn ribs(stage: &mut Stage, steel: u32) {
-    let column = cuboid([-0.35, -0.5, -32.5], [0.35, 22.7, -31.5]);
+    let column = cuboid([-0.35, -0.5, -32.5], [0.35, 24.0, -31.5]);
     let column = stage.mesh("column", column, steel);
     // Corners as [height, −distance]; the upper two lie within the roof.
-    let beam = [[24.85, -23.6], [20.9, -32.4], [22.8, -32.4], [25.25, -23.6]];
+    let beam = [[25.65, -25.6], [22.3, -32.4], [24.1, -32.4], [26.0, -25.6]];
     let beam = stage.mesh("beam", prism(&beam, -0.15, 0.15), steel);
-    let lamps = cuboid([-1.3, 24.75, -23.45], [1.3, 25.25, -23.15]);
+    let lamps = cuboid([-1.3, 25.55, -25.45], [1.3, 26.05, -25.15]);
     let lamps = stage.mesh("lamps", lamps, steel);
     for post in posts() {
         for part in [column, beam, lamps] {
@@ -141,7 +141,7 @@ fn ribs(stage: &mut Stage, steel: u32) {
 
 /// Masts on the inner edge of the roof with pennants, all in the same wind.
 fn flags(stage: &mut Stage, steel: u32) {
-    let mast = cuboid([-0.07, 25.3, -23.97], [0.07, 31.4, -23.83]);
+    let mast = cuboid([-0.07, 26.1, -25.97], [0.07, 31.4, -25.83]);
     let mast = stage.mesh("mast", mast, steel);
     let cloths = [
         ("pennant, red", [0.7, 0.05, 0.03]),
@@ -154,7 +154,7 @@ fn flags(stage: &mut Stage, steel: u32) {
     });
     for (i, post) in posts().iter().step_by(2).enumerate() {
         stage.place(mast, inwards(post));
-        let foot = post.point(23.9, 0.0).to_array();
+        let foot = post.point(25.9, 0.0).to_array();
         stage.place(cloths[i % 2], set_down(WIND, 1.0, foot));
     }
 }

@@ -25,28 +25,28 @@ pub(super) fn still_life(stage: &mut Stage) {
         ..paint("glass", [1.0, 1.0, 1.0], 0.0)
     });
     let pot = stage.mesh("teapot", teapot(16), glaze);
-    stage.place(pot, set_down(24.0, 0.078, [-0.02, TABLE, 0.0]));
+    stage.place(pot, set_down(22.0, 0.084, [-0.02, TABLE, 0.0]));
 
     let mut set = |name: &str, level: u32, material: u32, radius: f32, [x, z]: [f32; 2]| {
         let mesh = stage.mesh(name, ball(level), material);
         stage.place(mesh, set_down(0.0, radius, [x, TABLE + radius, z]));
     };
-    set("mirror ball", 5, mirror, 0.15, [0.4, -0.2]);
-    set("glass ball", 5, glass, 0.085, [-0.27, 0.24]);
-    set("brass ball", 4, brass, 0.04, [0.13, 0.3]);
+    set("mirror ball", 5, mirror, 0.15, [0.47, -0.24]);
+    set("glass ball", 5, glass, 0.085, [-0.3, 0.26]);
+    set("brass ball", 4, brass, 0.04, [0.19, 0.28]);
 
     // Half a millimetre of air keeps the faces of cube and tiles apart.
     let cube = cuboid([-0.055, 0.0, -0.055], [0.055, 0.11, 0.055]);
     let cube = stage.mesh("glass cube", cube, glass);
-    stage.place(cube, set_down(35.0, 1.0, [0.33, TABLE + 0.0005, 0.17]));
+    stage.place(cube, set_down(35.0, 1.0, [0.56, TABLE + 0.0005, 0.2]));
 }
 
 /// A block of stone with a wooden frame, and tiles with open joints on top.
 fn table(stage: &mut Stage) {
     let stone = stage.material(paint("stone", [0.35, 0.33, 0.3], 0.9));
-    let wood = stage.material(paint("wood", [0.24, 0.1, 0.035], 0.35));
-    let light = stage.material(paint("tile, light", [0.8, 0.77, 0.7], 0.15));
-    let dark = stage.material(paint("tile, dark", [0.035, 0.04, 0.05], 0.15));
+    let wood = stage.material(paint("wood", [0.24, 0.1, 0.035], 0.5));
+    let light = stage.material(paint("tile, light", [0.8, 0.77, 0.7], 0.6));
+    let dark = stage.material(paint("tile, dark", [0.035, 0.04, 0.05], 0.6));
 
     let [x, z] = TILES.map(|count| 0.5 * count as f32 * TILE);
     let block = cuboid(

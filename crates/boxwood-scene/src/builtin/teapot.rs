@@ -20,9 +20,10 @@ pub const MAX_SUBDIVISIONS: u32 = 256;
 ///
 /// It stands on the plane `y = 0`, is 3.15 units tall, turns about the y axis and points its spout towards +x. Normals
 /// are those of the smooth surface; texture coordinates run once over each patch, downwards and from left to right as
-/// seen from outside. `subdivisions` is brought into `1..=`[`MAX_SUBDIVISIONS`].
+/// seen from outside. `subdivisions` is brought into `2..=`[`MAX_SUBDIVISIONS`]: with one, the tip of the spout would
+/// fold into a line.
 pub fn teapot(subdivisions: u32) -> Mesh {
-    let n = subdivisions.clamp(1, MAX_SUBDIVISIONS);
+    let n = subdivisions.clamp(2, MAX_SUBDIVISIONS);
     let weights: Vec<Weights> = (0..=n).map(|i| Weights::new(i, n)).collect();
     let mut mesh = Mesh {
         name: "teapot".into(),

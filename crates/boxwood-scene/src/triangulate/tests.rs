@@ -203,7 +203,8 @@ proptest! {
         points.extend([[width, 0.0], [width, 9.0], [0.0, 9.0], [0.0, 0.0]]);
         let start = turn.index(points.len());
         points.rotate_left(start);
-        prop_assert_eq!(assert_covers(&tilt(&points, false)), 0);
+        // Corners in a line may be left to the end, so some triangles may have no area.
+        assert_covers(&tilt(&points, false));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Phong materials of MTL, and what they are in terms of metallic-roughness.
 //!
 //! *How it works.* Colours are taken as linear. `illum` says which law holds: 0 and 1 are matt, 2 has a highlight,
-//! 3 and 5 mirror, 4, 6, 7 and 9 are glass; the `Pr` and `Pm` of newer exporters have the last word. A highlight of exponent
+//! 3, 5 and 8 mirror, 4, 6, 7 and 9 are glass; the `Pr` and `Pm` of newer exporters have the last word. A highlight of exponent
 //! `Ns` is as wide as a microfacet lobe of roughness `α² = 2 / (Ns + 2)`, whose perceptual roughness is `√α`.
 //! *Source.* Wavefront, MTL specification; Walter et al. 2007, *Microfacet Models for Refraction* (Phong exponents).
 

@@ -1,0 +1,273 @@
+//! The renderer: a scene made ready once, and pictures of it.
+
+use crate::camera::Lens;
+use crate::film::{Film, Pixel};
+use crate::sample::{Samples, tent};
+use crate::shade::light::Lamp;
+use crate::shade::whitted::{Branch, Seen, Tracer};
+use crate::world::World;
+use crate::{RenderError, View};
+use boxwood::inspect::Statistics;
+use boxwood::{StructureKind, TraversalStats, Vec3};
+use boxwood_scene::{Camera, Image, Scene};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// How a scene is made ready.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct Setup {
+    /// Over which structure rays are traced. The picture does not depend on it, only its cost.
+    pub structure: StructureKind,
+    /// A latitude-longitude image around the scene, in place of the scene's own: row 0 is straight up, the centre column
+    /// lies towards −z of a y-up world.
+    pub environment: Option<Image>,
+}
+
+/// What a picture should be.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Options {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Samples per pixel; 0 counts as 1. Powers of two are spread best.
+    pub spp: u32,
+    /// How many mirrored or refracted rays may follow each other; 0 shows direct light only.
+    pub depth: u32,
+    /// What the picture shows.
+    pub view: View,
+    /// Rays per pixel that each lamp's soft shadow and the ambient occlusion get at least, spread over the samples; 0
+    /// makes shadows hard and leaves the occlusion out.
+    pub soft_rays: u32,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            size: [1280, 720],
+            spp: 16,
+            depth: 8,
+            view: View::Shaded,
+            soft_rays: 16,
+        }
+    }
+}
+
+impl Options {
+    /// Whether [`Renderer::render`] will do this as it stands.
+    ///
+    /// # Errors
+    /// [`RenderError::Size`] when there are no pixels, or more than memory should be asked for.
+    pub fn check(&self) -> Result<(), RenderError> {
+        let [width, height] = self.size;
+        if self.size == self.sound_size() {
+            Ok(())
+        } else {
+            Err(RenderError::Size { width, height })
+        }
+    }
+
+    fn sound_size(&self) -> [u32; 2] {
+        let [width, height] = self.size.map(|side| side.clamp(1, MOST_SIDE));
+        [width, height.min(MOST_PIXELS / width)]
+    }
+
+    /// No deeper than the machine's stack allows.
+    fn sound_depth(&self) -> u32 {
+        self.depth.min(MOST_DEPTH)
+    }
+}
+
+const MOST_SIDE: u32 = 1 << 15;
+const MOST_PIXELS: u32 = 1 << 28;
+const MOST_DEPTH: u32 = 64;
+/// Pixels along the side of a tile.
+const TILE: u32 = 16;
+
+/// A scene ready to be rendered.
+pub struct Renderer {
+    world: World,
+    warnings: Vec<String>,
+}
+
+impl Renderer {
+    /// Lays the scene out, builds the structure and decodes the images, in the caller's rayon pool.
+    ///
+    /// # Errors
+    /// When the triangles cannot be laid out, or `setup.environment` cannot be decoded.
+    pub fn new(scene: &Scene, setup: &Setup) -> Result<Self, RenderError> {
+        let mut warnings = Vec::new();
+        let world = World::new(scene, setup, &mut warnings)?;
+        Ok(Self { world, warnings })
+    }
+
+    /// One clear sentence for each thing that is shown otherwise than the scene says, such as an image that could not be
+    /// decoded.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// What the structure is made of.
+    pub fn statistics(&self) -> Statistics {
+        self.world.structure.statistics()
+    }
+
+    /// Renders a picture in the caller's rayon pool; the film has the same bits for any number of threads. `progress` is
+    /// told after each tile how many are done, of how many. Sizes that [`Options::check`] refuses are cut to what it
+    /// allows.
+    pub fn render(
+        &self,
+        camera: &Camera,
+        options: &Options,
+        progress: &(dyn Fn(usize, usize) + Sync),
+    ) -> Film {
+        let size = options.sound_size();
+        let lens = Lens::new(camera, size);
+        let shot = Shot {
+            world: &self.world,
+            tracer: self.tracer(&lens, options),
+            lens,
+            spp: options.spp.max(1),
+            view: options.view,
+        };
+        let [columns, rows] = size.map(|n| n.div_ceil(TILE));
+        let count = (columns * rows) as usize;
+        let done = AtomicUsize::new(0);
+        let tiles: Vec<Vec<Pixel>> = (0..columns * rows)
+            .into_par_iter()
+            .map(|tile| {
+                let pixels = within(tile % columns * TILE, tile / columns * TILE, size);
+                let pixels = pixels.map(|at| shot.pixel(at)).collect();
+                progress(done.fetch_add(1, Ordering::Relaxed) + 1, count);
+                pixels
+            })
+            .collect();
+        let mut film = Film {
+            size,
+            view: options.view,
+            pixels: vec![NOTHING; size[0] as usize * size[1] as usize],
+        };
+        for (tile, pixels) in (0..).zip(tiles) {
+            let places = within(tile % columns * TILE, tile / columns * TILE, size);
+            for ([x, y], pixel) in places.zip(pixels) {
+                film.pixels[y as usize * size[0] as usize + x as usize] = pixel;
+            }
+        }
+        film
+    }
+
+    fn tracer(&self, lens: &Lens, options: &Options) -> Tracer<'_> {
+        let key = self
+            .world
+            .key_light
+            .map(|irradiance| Lamp::sun(lens.over_the_shoulder(self.world.up), irradiance, 0.05));
+        Tracer {
+            world: &self.world,
+            key,
+            depth: options.sound_depth(),
+            soft: options.soft_rays.min(4096).div_ceil(options.spp.max(1)),
+            visible_lamps: self
+                .world
+                .lamps
+                .iter()
+                .any(|lamp| matches!(lamp, Lamp::Sphere { .. } | Lamp::Rectangle { .. })),
+        }
+    }
+}
+
+/// The pixels of the tile whose upper left corner is given, row by row.
+fn within(left: u32, top: u32, [width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+    let (right, bottom) = ((left + TILE).min(width), (top + TILE).min(height));
+    (top..bottom).flat_map(move |y| (left..right).map(move |x| [x, y]))
+}
+
+const NOTHING: Pixel = Pixel {
+    radiance: [0.0; 3],
+    background: [0.0; 3],
+    coverage: 0.0,
+    unlit: 0.0,
+    albedo: [0.0; 3],
+    normal: [0.0; 3],
+    depth: f32::INFINITY,
+    primitive: u32::MAX,
+    material: u32::MAX,
+    nodes: 0,
+    primitives: 0,
+};
+
+/// One picture on its way.
+struct Shot<'a> {
+    world: &'a World,
+    tracer: Tracer<'a>,
+    lens: Lens,
+    spp: u32,
+    view: View,
+}
+
+impl Shot<'_> {
+    fn pixel(&self, at: [u32; 2]) -> Pixel {
+        let mut pixel = self.middle(at);
+        let mut sum = Seen::default();
+        for index in 0..self.spp {
+            let samples = Samples::new(at, index);
+            let [u, v] = samples.pair(0, 1, 0);
+            let x = at[0] as f32 + 0.5 + tent(u);
+            let y = at[1] as f32 + 0.5 + tent(v);
+            let ray = self.lens.ray(x, y);
+            let branch = Branch::root(self.lens.footprint());
+            sum.add(&match self.view {
+                View::Shaded => self.tracer.trace(ray, branch, &samples),
+                View::Albedo | View::Normals => self.tracer.look(ray, branch),
+                _ => return pixel,
+            });
+        }
+        let share = 1.0 / self.spp as f32;
+        let light = self.world.exposure * share;
+        pixel.radiance = (sum.radiance * light).to_array();
+        pixel.background = (sum.background * light).to_array();
+        pixel.albedo = (sum.albedo * share).to_array();
+        pixel.normal = (sum.normal * share).to_array();
+        pixel.coverage = sum.coverage * share;
+        pixel.unlit = sum.unlit * share;
+        pixel
+    }
+
+    /// What the ray through the middle of the pixel meets, and what that costs.
+    fn middle(&self, [x, y]: [u32; 2]) -> Pixel {
+        let ray = self.lens.ray(x as f32 + 0.5, y as f32 + 0.5);
+        let mut steps = TraversalStats::default();
+        let plain = self.world.structure.closest_hit_counted(&ray, &mut steps);
+        let hit = if self.world.open.any_holes() {
+            self.world.closest(&ray)
+        } else {
+            plain
+        };
+        let few = |n: u64| u32::try_from(n).unwrap_or(u32::MAX);
+        let mut pixel = Pixel {
+            nodes: few(steps.nodes + steps.leaves),
+            primitives: few(steps.primitives),
+            ..NOTHING
+        };
+        if let Some(hit) = hit {
+            let located = self.world.flat.locate(hit.primitive);
+            pixel.depth = self.lens.depth(ray.at(hit.t));
+            pixel.primitive = located.primitive;
+            pixel.material = self.world.meshes[located.mesh as usize].material as u32;
+            pixel.coverage = 1.0;
+        }
+        pixel
+    }
+}
+
+impl Seen {
+    /// Adds another sample; one that is not finite counts as black.
+    fn add(&mut self, other: &Self) {
+        let sound = |v: Vec3| if v.is_finite() { v } else { Vec3::ZERO };
+        self.radiance += sound(other.radiance);
+        self.background += sound(other.background);
+        self.albedo += sound(other.albedo);
+        self.normal += sound(other.normal);
+        self.coverage += other.coverage;
+        self.unlit += other.unlit;
+    }
+}

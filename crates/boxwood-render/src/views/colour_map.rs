@@ -1,0 +1,11 @@
+//! Colours for numbers whose steps look equally large: Inferno, of matplotlib (van der Walt & Smith 2015).
+
+use crate::colour::SRGB;
+use boxwood::Vec3;
+
+/// The linear colour of a share, 0 (nearly black) to 1 (pale yellow).
+pub fn inferno(share: f32) -> Vec3 {
+    let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
+    let c = colorous::INFERNO.eval_continuous(f64::from(share));
+    Vec3::from([c.r, c.g, c.b].map(|byte| SRGB[usize::from(byte)]))
+}
