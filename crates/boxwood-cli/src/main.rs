@@ -1,2 +1,43 @@
-//! The `boxwood` command.
-fn main() {}
+//! The `boxwood` command: render, inspect and query real scenes.
+//!
+//! *How it is laid out.* `args` says what the command line may say; each verb has a file (`render`, `info`, `cast`,
+//! `shell`); `scene_file` finds the scene, `output` writes files whole or not at all, `npy` speaks NumPy, `terminal` and
+//! `progress` speak to people.
+//!
+//! *What can be relied on.* Exit code 0 for success, 1 for bad input or a refusal of the system, with one sentence on
+//! stderr, 2 for a command line that means nothing. Results go to stdout, everything else to stderr.
+#![forbid(unsafe_code)]
+
+mod args;
+mod cast;
+mod failure;
+mod info;
+mod npy;
+mod output;
+mod progress;
+mod scene_file;
+mod shell;
+mod terminal;
+
+use args::{Cli, Verb};
+use clap::Parser;
+use failure::Failure;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse_from(args::join_vectors(std::env::args_os()));
+    let outcome = match &cli.verb {
+        Verb::Render(_) => Ok(()),
+        Verb::Info(args) => info::run(args),
+        Verb::Cast(args) => cast::run(args),
+        Verb::Completions(args) => shell::completions(args),
+        Verb::Man(args) => shell::man(args),
+    };
+    match outcome {
+        Ok(()) | Err(Failure::Unheard) => ExitCode::SUCCESS,
+        Err(Failure::Said(sentence)) => {
+            terminal::error(&sentence);
+            ExitCode::FAILURE
+        }
+    }
+}

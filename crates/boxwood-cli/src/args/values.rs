@@ -1,0 +1,171 @@
+//! Values of flags that are more than a word or a number.
+
+use std::ffi::OsString;
+use std::str::FromStr;
+
+/// The longest side of a picture that is accepted at all.
+const LONGEST_SIDE: u32 = 32_768;
+/// And the most pixels.
+const MOST_PIXELS: u64 = 1 << 28;
+
+/// Width and height in pixels, as `1280x720`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size(pub [u32; 2]);
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let side = |side: &str| side.trim().parse::<u64>().ok();
+        let Some((Some(width), Some(height))) = text
+            .split_once(['x', 'X', '×'])
+            .map(|(w, h)| (side(w), side(h)))
+        else {
+            return Err("expected a width and a height, such as 1280x720".to_string());
+        };
+        if width == 0 || height == 0 {
+            return Err("a picture without pixels cannot be made".to_string());
+        }
+        let longest = u64::from(LONGEST_SIDE);
+        if width > longest || height > longest || width * height > MOST_PIXELS {
+            return Err(format!(
+                "too large: a side may have {LONGEST_SIDE} pixels, the whole picture {MOST_PIXELS}"
+            ));
+        }
+        Ok(Self([width as u32, height as u32]))
+    }
+}
+
+/// A point or a direction, as `X,Y,Z` or `"X Y Z"`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vector(pub [f32; 3]);
+
+impl FromStr for Vector {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || "expected three numbers, such as 1,-2.5,3".to_string();
+        let numbers: Vec<&str> = if text.contains(',') {
+            text.split(',').map(str::trim).collect()
+        } else {
+            text.split_whitespace().collect()
+        };
+        let [x, y, z] = numbers[..] else {
+            return Err(expected());
+        };
+        let number = |text: &str| text.parse::<f32>().map_err(|_| expected());
+        let vector = [number(x)?, number(y)?, number(z)?];
+        if vector.iter().all(|x| x.is_finite()) {
+            Ok(Self(vector))
+        } else {
+            Err("its numbers must be finite".to_string())
+        }
+    }
+}
+
+/// An angle between 0 and 180 degrees.
+pub fn fov(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
+        _ => Err("expected an angle between 0 and 180 degrees".to_string()),
+    }
+}
+
+/// An exposure.
+pub fn stops(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(stops) if stops.abs() <= 64.0 => Ok(stops),
+        _ => Err("expected a number of stops from -64 to 64".to_string()),
+    }
+}
+
+/// Joins `--eye 1 2 3` to `--eye 1,2,3`: three numbers after a flag that wants a vector are its value. Anything else stays
+/// as it is.
+pub fn join_vectors(args: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
+    let mut rest: Vec<OsString> = args.into_iter().collect();
+    let mut joined = Vec::with_capacity(rest.len());
+    while !rest.is_empty() {
+        let is_flag = ["--eye", "--look-at", "--up"].iter().any(|flag| rest[0] == *flag);
+        let numbers: Vec<&str> = rest[1..]
+            .iter()
+            .take(3)
+            .filter_map(|arg| arg.to_str().filter(|text| text.parse::<f32>().is_ok()))
+            .collect();
+        let value = (is_flag && numbers.len() == 3).then(|| numbers.join(","));
+        if rest[0] == "--" {
+            joined.append(&mut rest);
+        } else if let Some(value) = value {
+            joined.extend(rest.drain(..4).take(1));
+            joined.push(value.into());
+        } else {
+            joined.push(rest.remove(0));
+        }
+    }
+    joined
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        for text in ["1280x720", "1280X720", "1280×720", "1280 x 720"] {
+            assert_eq!(text.parse(), Ok(Size([1280, 720])));
+        }
+        for text in ["", "x", "1280", "1280x", "-1x5", "1.5x2", "1x2x3"] {
+            let error = text.parse::<Size>().expect_err(text);
+            assert_eq!(error, "expected a width and a height, such as 1280x720");
+        }
+        assert!("0x5".parse::<Size>().expect_err("zero").contains("without pixels"));
+        for text in ["32769x1", "1x99999999999", "32768x32768"] {
+            assert!(text.parse::<Size>().expect_err(text).starts_with("too large"));
+        }
+        assert_eq!("32768x8192".parse(), Ok(Size([32_768, 8192])));
+    }
+
+    #[test]
+    fn vectors() {
+        for text in ["1,-2.5,3e1", "1, -2.5, 3e1", "1 -2.5 3e1"] {
+            assert_eq!(text.parse(), Ok(Vector([1.0, -2.5, 30.0])));
+        }
+        for text in ["", "1", "1,2", "1,2,3,4", "a,b,c", "1,,3"] {
+            assert!(text.parse::<Vector>().expect_err(text).contains("three numbers"));
+        }
+        for text in ["1,2,inf", "nan,0,0", "1e99,0,0"] {
+            assert!(text.parse::<Vector>().expect_err(text).contains("finite"));
+        }
+    }
+
+    #[test]
+    fn angles_and_stops() {
+        assert_eq!(fov("45"), Ok(45.0));
+        for text in ["0", "180", "-1", "nan", "wide"] {
+            assert!(fov(text).is_err());
+        }
+        assert_eq!(stops("-1.5"), Ok(-1.5));
+        for text in ["nan", "inf", "bright", "65"] {
+            assert!(stops(text).is_err());
+        }
+    }
+
+    #[test]
+    fn three_numbers_become_a_vector() {
+        let join = |line: &str| {
+            let joined = join_vectors(line.split(' ').map(OsString::from));
+            let words: Vec<_> = joined.iter().map(|w| w.to_str().expect("ascii")).collect();
+            words.join(" ")
+        };
+        for (line, joined) in [
+            ("b render --eye 1 -2 3 s.obj", "b render --eye 1,-2,3 s.obj"),
+            ("b --eye 1,2,3 --look-at 4 5 6", "b --eye 1,2,3 --look-at 4,5,6"),
+            ("b --eye 1,2,3 4 5 6", "b --eye 1,2,3 4 5 6"),
+            ("b --eye 1 2 s.obj", "b --eye 1 2 s.obj"),
+            ("b --eye", "b --eye"),
+            ("b --fov 1 2 3", "b --fov 1 2 3"),
+            ("b -- --eye 1 2 3", "b -- --eye 1 2 3"),
+        ] {
+            assert_eq!(join(line), joined);
+        }
+    }
+}
