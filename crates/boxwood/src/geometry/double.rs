@@ -1,5 +1,6 @@
 //! Double-precision lines and vectors: where analytic shapes compute before one rounding to floats.
 
+use super::ray::round_down;
 use super::{Aabb, Ray};
 use crate::math::sqrt_f64;
 
@@ -149,16 +150,6 @@ pub(crate) fn outward(lower: Double3, upper: Double3) -> Aabb {
         lower.map(|x| round_down(x - x.abs() * U)),
         upper.map(|x| -round_down(-x - x.abs() * U)),
     )
-}
-
-/// The largest float not above `x`.
-pub(crate) fn round_down(x: f64) -> f32 {
-    let nearest = x as f32;
-    if f64::from(nearest) > x {
-        nearest.next_down()
-    } else {
-        nearest
-    }
 }
 
 /// `centre ± half`, rounded outward.

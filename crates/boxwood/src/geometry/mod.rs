@@ -12,6 +12,7 @@ mod plane;
 mod ray;
 pub mod real;
 mod roots;
+mod search;
 pub mod shape;
 mod sphere;
 mod surface;

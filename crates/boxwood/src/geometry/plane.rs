@@ -69,7 +69,8 @@ impl Plane {
             }
             lower[axis] = lower[axis].max(least - margin);
             upper[axis] = upper[axis].min(most + margin);
-            if !(lower[axis] <= upper[axis]) {
+            let meets = lower[axis] <= upper[axis];
+            if !meets {
                 return Aabb::EMPTY;
             }
         }

@@ -111,7 +111,8 @@ impl Roots {
 pub(crate) fn polynomial(c: &[f64], from: f64, to: f64) -> Roots {
     let mut found = Roots::default();
     let mut value = |x: f64| c.iter().rev().fold(0.0, |sum, c| sum * x + c);
-    if c.len() < 2 || !(from <= to) {
+    let in_order = from <= to;
+    if c.len() < 2 || !in_order {
         return found;
     }
     let largest = from.abs().max(to.abs());

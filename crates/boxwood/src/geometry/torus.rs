@@ -102,7 +102,8 @@ impl Shape for Torus {
         let nearest = dot(passing, passing);
         // A little room, so that a line that touches the ball is met.
         let reach = 1.0 + 1.0e-9 - nearest;
-        if !(reach >= 0.0) {
+        let near_enough = reach >= 0.0;
+        if !near_enough {
             return Continue(());
         }
         let half = sqrt_f64(reach);
