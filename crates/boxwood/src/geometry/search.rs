@@ -9,9 +9,10 @@
 //!
 //! So no root is skipped, but for pairs nearer to each other than one piece; they count as one.
 //!
-//! *Cost.* A simple root takes some thirty pieces. Roots of higher order take a few per halving where the slope is
-//! known, and thousands with a Lipschitz constant alone. After [`MAX_PIECES`] pieces the rest of the ray is decided by the signs at the
-//! ends of what is left: a function that is zero along the ray, or NaN, ends too.
+//! *Cost.* With known slopes a ray takes five pieces on average for a ball and 27 for a gyroid (at most 38 and 282 for rays
+//! that graze them); with a Lipschitz constant alone 99 for the ball, and up to 35,000 where a ray grazes it within 10⁻⁸. After
+//! [`MAX_PIECES`] pieces the rest of the ray is decided by the signs at the ends of what is left, so that a function that is
+//! zero along the ray, or NaN, ends too.
 //!
 //! *Source:* Mitchell 1990, *Robust Ray Intersection with Interval Arithmetic*; the centred form is that of Moore 1966.
 

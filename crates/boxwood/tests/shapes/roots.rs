@@ -272,8 +272,8 @@ fn searches_are_short() {
     for (name, pieces, limits) in [
         ("formula", pieces(Ball), [20, 60, 200]),
         ("gyroid", pieces(Gyroid), [60, 200, 400]),
-        ("touching", pieces(Touching), [400, 2000, 2000]),
-        ("constant", pieces(Distance), [200, 2000, 30000]),
+        ("touching", pieces(Touching), [200, 2000, 20000]),
+        ("constant", pieces(Distance), [300, 3000, 60000]),
     ] {
         println!("{name}: {pieces:?}");
         assert!(
