@@ -17,7 +17,7 @@
 //! ```
 //!
 //! *How it is laid out.* Data walks one line from left to right, and each module serves one stop of it: [`geometry`] (rays,
-//! boxes, triangles), [`primitive`] (numbered sets of things a ray may meet), [`query`] (what a ray asks), [`accel`] (the
+//! boxes, triangles, shapes), [`primitive`] (numbered sets of things a ray may meet), [`query`] (what a ray asks), [`accel`] (the
 //! structures), [`inspect`] (looking at a tree).
 //!
 //! *What can be relied on.* Every structure returns the bits of [`BruteForce`], on every machine and for any number of
@@ -37,8 +37,15 @@ pub mod query;
 pub use accel::brute_force::BruteForce;
 pub use accel::bvh::{BinaryTree, BinnedSah, Bvh, Median};
 pub use accel::{StructureKind, UnknownStructure};
-pub use geometry::{Aabb, Affine, Hit, PreparedRay, Ray, Surface, Vec3};
-pub use primitive::{MeshError, MollerTrumbore, Primitives, Surfaces, TriangleMesh};
+pub use geometry::implicit::{Enclosure, Formula, Implicit, ImplicitSurface, Segment};
+pub use geometry::real::Real;
+pub use geometry::shape::{Shape, ShapeError, ShapeFlaw};
+pub use geometry::{Aabb, Affine, Hit, Interval, PreparedRay, Ray, Surface, Vec3};
+pub use geometry::{Cuboid, Cylinder, Disc, Line, OrientedCuboid, Plane, Sphere, Torus};
+pub use primitive::{
+    Chain, Cuboids, Cylinders, Discs, ImplicitSurfaces, MeshError, MollerTrumbore, OrientedCuboids,
+    Planes, Primitives, Shapes, Spheres, Surfaces, Tori, TriangleMesh,
+};
 pub use query::{
     AllHits, Closest, Counters, Filter, FirstHits, Intersect, Occluded, Query, Seen,
     TraversalStats, Traverse,

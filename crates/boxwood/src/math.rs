@@ -1,4 +1,7 @@
-//! The square root, correctly rounded with and without `std`. All other operations are in `core`.
+//! Functions that are the same bits with and without `std`, and on every machine.
+//!
+//! Square roots are correctly rounded everywhere; angles come from `libm`, never from the system. All other operations
+//! are in `core`.
 
 /// `√x` as a float.
 #[inline(always)]
@@ -7,4 +10,20 @@ pub fn sqrt(x: f32) -> f32 {
     return x.sqrt();
     #[cfg(not(feature = "std"))]
     libm::sqrtf(x)
+}
+
+/// `√x` in double precision.
+#[inline(always)]
+pub fn sqrt_f64(x: f64) -> f64 {
+    #[cfg(feature = "std")]
+    return x.sqrt();
+    #[cfg(not(feature = "std"))]
+    libm::sqrt(x)
+}
+
+/// The angle of `(x, y)` in turns, from 0 to 1; both mean the positive x axis. 0 for the zero vector.
+#[inline]
+pub fn turn(y: f64, x: f64) -> f32 {
+    let turns = libm::atan2f(y as f32, x as f32) * (0.5 * core::f32::consts::FRAC_1_PI);
+    if turns < 0.0 { turns + 1.0 } else { turns }
 }

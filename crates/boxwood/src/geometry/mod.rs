@@ -1,9 +1,22 @@
 //! Shapes and their tests; knows nothing of trees.
 
 mod aabb;
+mod cuboid;
+mod cylinder;
+mod disc;
+mod double;
 mod hit;
+pub mod implicit;
+mod interval;
+mod plane;
 mod ray;
+pub mod real;
+mod roots;
+mod search;
+pub mod shape;
+mod sphere;
 mod surface;
+mod torus;
 mod transform;
 pub mod triangle;
 mod vec3;
@@ -11,4 +24,15 @@ mod vec3;
 pub use {
     aabb::Aabb, hit::Hit, ray::PreparedRay, ray::Ray, surface::Surface, transform::Affine,
     vec3::Vec3,
+};
+pub use {
+    cuboid::{Cuboid, OrientedCuboid},
+    cylinder::Cylinder,
+    disc::Disc,
+    double::Line,
+    implicit::ImplicitSurface,
+    interval::Interval,
+    plane::Plane,
+    sphere::Sphere,
+    torus::Torus,
 };

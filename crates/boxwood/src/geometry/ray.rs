@@ -215,7 +215,7 @@ impl PreparedRay {
 }
 
 /// The largest float not above `x`.
-fn round_down(x: f64) -> f32 {
+pub(crate) fn round_down(x: f64) -> f32 {
     let nearest = x as f32;
     if f64::from(nearest) > x {
         nearest.next_down()

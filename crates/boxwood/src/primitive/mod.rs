@@ -1,8 +1,14 @@
 //! Numbered sets of things a ray may meet.
 
+mod chain;
 mod mesh;
+mod shapes;
 
+pub use chain::Chain;
 pub use mesh::{MeshError, MollerTrumbore, TriangleMesh};
+pub use shapes::{
+    Cuboids, Cylinders, Discs, ImplicitSurfaces, OrientedCuboids, Planes, Shapes, Spheres, Tori,
+};
 
 use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Surface};
 use crate::query::{Counters, Query};
