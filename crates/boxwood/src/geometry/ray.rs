@@ -47,6 +47,15 @@ impl Ray {
     pub fn until(self, t_max: f32) -> Self {
         Self { t_max, ..self }
     }
+    /// `t_max` as queries read it: an infinite one is the largest float, so that nothing is ever hit at infinity.
+    #[inline(always)]
+    pub fn end(&self) -> f32 {
+        if self.t_max > f32::MAX {
+            f32::MAX
+        } else {
+            self.t_max
+        }
+    }
     /// The point at `t`.
     #[inline(always)]
     pub fn at(&self, t: f32) -> Vec3 {
@@ -97,11 +106,7 @@ impl PreparedRay {
         let (o, d) = (ray.origin, ray.direction);
         // Not `max` and `min`, which would lose a NaN.
         let t_min = if ray.t_min < 0.0 { 0.0 } else { ray.t_min };
-        let t_max = if ray.t_max > f32::MAX {
-            f32::MAX
-        } else {
-            ray.t_max
-        };
+        let t_max = ray.end();
         let size = d.abs();
         let kz = size.max_axis();
         let largest = size[kz];

@@ -57,7 +57,7 @@ impl Vec3 {
     #[inline]
     pub fn normalized(self) -> Self {
         let largest = self.abs().max_element();
-        if !(largest > 0.0 && largest < f32::INFINITY) {
+        if !(largest > 0.0 && self.is_finite()) {
             return Self::ZERO;
         }
         // A vector near the ends of the floats is first brought to where its square is a normal number.
@@ -218,6 +218,9 @@ mod tests {
         }
         for none in [0.0, f32::NAN, f32::INFINITY] {
             assert_eq!(Vec3::new(none, 0.0, 0.0).normalized(), Vec3::ZERO);
+        }
+        for bad in [f32::NAN, f32::INFINITY] {
+            assert_eq!(Vec3::new(bad, 1.0, 0.0).normalized(), Vec3::ZERO);
         }
     }
 

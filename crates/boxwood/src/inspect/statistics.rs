@@ -2,6 +2,7 @@
 
 use crate::accel::bvh::BinaryTree;
 use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
+use crate::geometry::Aabb;
 
 /// Numbers that describe a structure.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,7 +23,7 @@ pub struct Statistics {
     /// Bytes that the structure itself takes, without the primitives.
     pub bytes: usize,
     /// What a random ray that meets the root's box should cost, in primitive tests: the surface-area heuristic with a cost
-    /// of 1 for a node and 1 for a primitive.
+    /// of 1 for a node and 1 for a primitive. Zero where the root's box has no area, or an infinite one.
     pub sah_cost: f32,
 }
 
@@ -47,14 +48,14 @@ impl Statistics {
             bytes: size_of_val(&*tree.nodes) + size_of_val(&*tree.order),
             ..Self::default()
         };
-        // In double precision: millions of small areas are added up.
+        // In double precision: millions of small areas are added up, and squares of 1e30 and 1e-30 are numbers.
         let mut cost = 0.0;
         let mut open = alloc::vec![(0, 0)];
         while let Some((index, depth)) = open.pop() {
             let Some(node) = tree.nodes.get(index) else {
                 continue;
             };
-            let area = f64::from(node.bounds.half_area());
+            let area = half_area(&node.bounds);
             found.depth = found.depth.max(depth);
             if node.is_leaf() {
                 found.leaves += 1;
@@ -69,10 +70,15 @@ impl Statistics {
         let root_area = tree
             .nodes
             .first()
-            .map_or(0.0, |root| root.bounds.half_area());
-        if root_area > 0.0 {
-            found.sah_cost = (cost / f64::from(root_area)) as f32;
+            .map_or(0.0, |root| half_area(&root.bounds));
+        if root_area > 0.0 && root_area < f64::INFINITY {
+            found.sah_cost = (cost / root_area) as f32;
         }
         found
     }
+}
+
+fn half_area(b: &Aabb) -> f64 {
+    let d = |axis: usize| (f64::from(b.upper[axis]) - f64::from(b.lower[axis])).max(0.0);
+    d(0) * d(1) + d(1) * d(2) + d(2) * d(0)
 }

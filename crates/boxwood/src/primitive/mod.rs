@@ -79,6 +79,10 @@ pub fn offer<P: Primitives + ?Sized, Q: Query, C: Counters>(
         return primitives.offer(i, ray, query, counters);
     }
     let around = primitives.bounds(i);
+    // A box with NaN is empty, and no box around it knows of it.
+    if around.is_empty() {
+        return Continue(());
+    }
     primitives.offer(i, ray, &mut InOwnBox { around, ray, query }, counters)
 }
 

@@ -109,7 +109,7 @@ impl<T: Traverse + Send + Sync> Intersect for T {
         ask(self, ray, AllHits::new(ray), stats).sorted()
     }
     fn visit(&self, ray: &Ray, visit: &mut dyn FnMut(Hit) -> ControlFlow<(), f32>) {
-        let t_max = ray.t_max;
+        let t_max = ray.end();
         ask(self, ray, Visit { t_max, visit }, &mut ());
     }
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {

@@ -17,7 +17,7 @@ impl Closest {
     #[inline]
     pub fn new(ray: &Ray) -> Self {
         Self {
-            t_max: ray.t_max,
+            t_max: ray.end(),
             hit: None,
         }
     }
@@ -55,7 +55,7 @@ impl Occluded {
     #[inline]
     pub fn new(ray: &Ray) -> Self {
         Self {
-            t_max: ray.t_max,
+            t_max: ray.end(),
             found: false,
         }
     }
@@ -91,16 +91,18 @@ impl AllHits {
     #[inline]
     pub fn new(ray: &Ray) -> Self {
         Self {
-            t_max: ray.t_max,
+            t_max: ray.end(),
             hits: Vec::new(),
         }
     }
     /// All hits, nearest first; those with equal `t` by (instance, primitive). A structure that keeps a primitive in
-    /// several places may have shown a hit twice: it counts once, while the two roots of a sphere stay two.
+    /// several places may have shown a hit twice: it counts once, while the two roots of a sphere stay two unless their
+    /// `t` is the same.
     pub fn sorted(mut self) -> Vec<Hit> {
-        self.hits.sort_unstable_by(Hit::order);
-        self.hits
-            .dedup_by(|a, b| a.order(b).is_eq() && a.t.to_bits() == b.t.to_bits());
+        // Stable, so that of a primitive's equal hits (both roots of a sphere that the ray touches) the first one stays,
+        // whatever else was found: as in `Closest` and `FirstHits`.
+        self.hits.sort_by(Hit::order);
+        self.hits.dedup_by(|a, b| a.order(b).is_eq());
         self.hits
     }
 }
@@ -133,7 +135,7 @@ impl FirstHits {
     pub fn new(ray: &Ray, k: usize) -> Self {
         Self {
             // Nothing lies within a negative interval.
-            t_max: if k == 0 { -1.0 } else { ray.t_max },
+            t_max: if k == 0 { -1.0 } else { ray.end() },
             k,
             hits: Vec::new(),
         }

@@ -20,7 +20,7 @@ use core::ops::ControlFlow;
 pub trait Query {
     /// Whether near children should be visited first. Only a hint: the answer is the same without.
     const ORDERED: bool = true;
-    /// Nothing beyond this counts any more; never grows.
+    /// Nothing beyond this counts any more; never grows, and begins at the ray's own `t_max`, read as in [`Ray::end`].
     fn t_max(&self) -> f32;
     /// Only primitives whose [`mask`](crate::Primitives::mask) shares a bit with this are met. All by default.
     #[inline(always)]
