@@ -2,6 +2,7 @@
 
 use crate::sample::hash;
 use boxwood::Vec3;
+use boxwood_scene::srgb_to_linear;
 use std::sync::LazyLock;
 
 /// White.
@@ -35,14 +36,6 @@ pub static LINEAR: LazyLock<[f32; 256]> =
 static STEPS: LazyLock<[f32; 255]> = LazyLock::new(|| {
     std::array::from_fn(|byte| srgb_to_linear((byte as f64 + 0.5) / 255.0) as f32)
 });
-
-fn srgb_to_linear(s: f64) -> f64 {
-    if s <= 0.04045 {
-        s / 12.92
-    } else {
-        libm::pow((s + 0.055) / 1.055, 2.4)
-    }
-}
 
 /// The nearest sRGB byte of a linear value; what is not a number is 0.
 pub fn to_srgb(linear: f32) -> u8 {
