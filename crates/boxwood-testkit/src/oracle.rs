@@ -111,10 +111,8 @@ pub fn contradicts(mesh: &TriangleMesh, ray: &Ray, found: Option<Hit>) -> Option
             (Verdict::Missed, _, Some(hit)) => {
                 return Some(format!("{hit:?} is a miss for certain"));
             }
-            (Verdict::Met(from, to), _, Some(hit)) => {
-                if !(from..=to).contains(&f64::from(hit.t)) {
-                    return Some(format!("{hit:?} lies outside {from:e} to {to:e}"));
-                }
+            (Verdict::Met(from, to), _, Some(hit)) if !(from..=to).contains(&f64::from(hit.t)) => {
+                return Some(format!("{hit:?} lies outside {from:e} to {to:e}"));
             }
             (Verdict::Met(from, to), None, None) if from >= 0.0 => {
                 return Some(format!(

@@ -110,6 +110,14 @@ pub fn mixed_sizes(count: usize, random: &mut Random) -> Model {
     }))
 }
 
+/// Tiny triangles of one size, far apart.
+pub fn specks(count: usize, size: f32, random: &mut Random) -> Model {
+    Model::of_triangles((0..count).map(|_| {
+        let middle = random.in_cube();
+        [(); 3].map(|()| (middle + random.in_cube() * size).to_array())
+    }))
+}
+
 /// Corners of any finite bits: from subnormal to the largest float.
 pub fn any_floats(count: usize, random: &mut Random) -> Model {
     Model::of_triangles((0..count).map(|_| {

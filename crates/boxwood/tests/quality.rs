@@ -22,23 +22,31 @@ fn recorded() -> [(&'static str, TriangleMesh, [f32; 3]); 6] {
     let mut random = Random::new(11);
     let ball = shapes::sphere(60, 40);
     [
-        ("sphere", ball.mesh(), [0.0; 3]),
-        ("terrain", shapes::terrain(60, &mut random).mesh(), [0.0; 3]),
-        ("random", soups::random(4_000, &mut random).mesh(), [0.0; 3]),
+        ("sphere", ball.mesh(), [40.528, 29.138, 28.617]),
+        (
+            "terrain",
+            shapes::terrain(60, &mut random).mesh(),
+            [24.175, 17.422, 17.309],
+        ),
+        (
+            "random",
+            soups::random(4_000, &mut random).mesh(),
+            [155.93, 131.09, 129.02],
+        ),
         (
             "needles",
             soups::needles(1_000, &mut random).mesh(),
-            [0.0; 3],
+            [440.86, 375.40, 360.29],
         ),
         (
             "ball in a stadium",
             shapes::cube(8).placed(100.0, 0.0).with(&ball).mesh(),
-            [0.0; 3],
+            [45.581, 23.628, 22.107],
         ),
         (
             "mixed sizes",
             soups::mixed_sizes(4_000, &mut random).mesh(),
-            [0.0; 3],
+            [221.40, 158.46, 150.07],
         ),
     ]
 }

@@ -68,9 +68,9 @@ fn positions_are_within_their_error() {
     each_surface(|mesh, _, hit, surface, _, case| {
         let corners = mesh.triangle(0).map(|p| p.to_array().map(f64::from));
         let (u, v) = (f64::from(hit.u), f64::from(hit.v));
-        for k in 0..3 {
+        for (k, position) in surface.position.to_array().into_iter().enumerate() {
             let exact = corners[0][k] * (1.0 - u - v) + corners[1][k] * u + corners[2][k] * v;
-            let off = (f64::from(surface.position[k]) - exact).abs();
+            let off = (f64::from(position) - exact).abs();
             assert!(
                 off <= f64::from(surface.error),
                 "{off:e} > {:e}, {case}",
