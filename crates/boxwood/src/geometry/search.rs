@@ -5,7 +5,7 @@
 //! contain zero. Where the bound of the slope does not contain zero either, the function is monotone, its signs at the ends
 //! say whether there is one root, and that one is searched directly. A piece of `2⁻²⁴` of the way that is still undecided
 //! holds a root when the sign changes in it, and a touching (double) root when the function comes as near to zero there as
-//! `2⁻⁴⁰` of its largest value in the box; touching pieces with such roots are one root.
+//! `2⁻⁴⁰` of its size (its largest value at six places); touching pieces with such roots are one root.
 //!
 //! So no root is skipped, but for pairs nearer to each other than one piece; they count as one.
 //!
@@ -229,20 +229,16 @@ impl<F: Implicit> ImplicitSurface<F> {
         (from <= chord.leave && chord.leave < f64::INFINITY).then_some((from, chord.leave))
     }
 
-    /// The largest |value| that is known to be possible on the way, or one that occurs.
+    /// How large the function gets: its largest |value| at the ends and in the middle of the way, in the middle of the box
+    /// and in two of its corners. Values that occur, since a bound may be too large by any factor; from all over the box,
+    /// since a way may be short.
     fn largest(&self, line: &Line, from: f64, to: f64) -> f64 {
-        let part = Segment {
-            line: *line,
-            from,
-            to,
-        };
-        let bound = self.0.enclose(&part).values.magnitude();
-        if bound < f64::INFINITY {
-            return bound;
-        }
-        [from, part.middle_t(), to]
-            .into_iter()
-            .map(|t| self.0.value(line.at(t)).abs())
+        let b = self.0.bounds();
+        let corners = [b.lower, b.centroid(), b.upper].map(|p| p.to_array().map(f64::from));
+        let way = [from, 0.5 * from + 0.5 * to, to].map(|t| line.at(t));
+        way.into_iter()
+            .chain(corners)
+            .map(|p| self.0.value(p).abs())
             .filter(|value| value.is_finite())
             .fold(0.0, f64::max)
     }

@@ -3,7 +3,7 @@
 //! *How it works.* The line is moved so that it begins where it passes the torus' centre, and scaled so that the torus fits
 //! the unit ball: the quartic's coefficients are then near 1, wherever the ray comes from. Its roots within the ball are
 //! found by cutting it at the roots of its derivatives, which never skips one and knows no special cases.
-//! *Cost:* 32 bytes; up to ten monotone searches of about ten evaluations each, a microsecond. *Source:* Yuksel 2022.
+//! *Cost:* 32 bytes; up to ten monotone searches of about ten evaluations each: some ten triangle tests. *Source:* Yuksel 2022.
 //!
 //! A ring thinner than 10⁻⁵ of its radius loses digits: squares of both radii meet in one sum.
 
