@@ -6,8 +6,9 @@ mod values;
 
 use crate::failure::{Failure, Outcome};
 use boxwood::StructureKind;
-use clap::builder::Styles;
+use boxwood_render::View;
 use clap::builder::styling::AnsiColor;
+use clap::builder::{PossibleValuesParser, Styles, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -83,6 +84,12 @@ pub struct RenderArgs {
     /// Samples per pixel
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub spp: u32,
+
+    /// What the picture shows
+    ///
+    /// An EXR holds layers for all of them; with a view other than shaded, its R G B are black.
+    #[arg(long, value_name = "VIEW", default_value_t, value_parser = view_parser())]
+    pub view: View,
 
     #[command(flatten)]
     pub camera: CameraArgs,
@@ -229,6 +236,11 @@ pub struct TracingArgs {
     /// How many threads to use; by default one for each core
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
+}
+
+/// Views by name, listed in the help and completed by shells.
+fn view_parser() -> impl TypedValueParser<Value = View> {
+    PossibleValuesParser::new(View::ALL.map(View::name)).try_map(|name| name.parse::<View>())
 }
 
 fn accel_help() -> String {

@@ -48,6 +48,11 @@ pub fn error(sentence: &str) {
     let _ = writeln!(anstream::stderr().lock(), "{ERROR}error:{ERROR:#} {sentence}");
 }
 
+/// Says something that is good to know.
+pub fn note(text: impl Display) {
+    let _ = writeln!(anstream::stderr().lock(), "note: {text}");
+}
+
 /// Says what was passed over in a scene, the first few in full.
 pub fn warnings(scene: &str, all: &[String]) {
     let mut stderr = anstream::stderr().lock();
