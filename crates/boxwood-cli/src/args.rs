@@ -120,7 +120,9 @@ pub struct RenderArgs {
 
 /// Where a picture is taken from.
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Camera (by default the scene's first one, or one that shows everything)")]
+#[command(
+    next_help_heading = "Camera (by default the scene's first one, or one that shows everything)"
+)]
 pub struct CameraArgs {
     /// One of the scene's own cameras, by name; `boxwood info` lists them
     #[arg(long, value_name = "NAME", conflicts_with_all = ["eye", "look_at", "up", "fov"])]
@@ -131,7 +133,12 @@ pub struct CameraArgs {
     pub eye: Option<Vector>,
 
     /// The point in the middle of the picture; by default the middle of the scene
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "eye")]
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        allow_hyphen_values = true,
+        requires = "eye"
+    )]
     pub look_at: Option<Vector>,
 
     /// The direction that points up in the picture; by default the file format's
@@ -245,9 +252,7 @@ fn view_parser() -> impl TypedValueParser<Value = View> {
 
 fn accel_help() -> String {
     let names = StructureKind::all().map(|kind| kind.to_string()).join(", ");
-    format!(
-        "The acceleration structure: {names}; settings follow after commas (bvh:median,leaf=2)"
-    )
+    format!("The acceleration structure: {names}; settings follow after commas (bvh:median,leaf=2)")
 }
 
 impl TracingArgs {

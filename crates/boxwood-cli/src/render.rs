@@ -145,8 +145,15 @@ fn picture(
 
 impl Report<'_> {
     fn table(&self) -> String {
-        let place = if self.output == "-" { "standard output" } else { &self.output };
-        let camera = self.camera.as_ref().map_or(String::new(), |name| format!(", camera {name}"));
+        let place = if self.output == "-" {
+            "standard output"
+        } else {
+            &self.output
+        };
+        let camera = self
+            .camera
+            .as_ref()
+            .map_or(String::new(), |name| format!(", camera {name}"));
         format!(
             "scene   {}: {}{camera}\n\
              loaded  in {}, built {} in {}\n\
@@ -183,7 +190,10 @@ fn encoding(destination: &Destination, args: &RenderArgs) -> Outcome<Encoding> {
     let Destination::File(path) = destination else {
         return Ok(Encoding::Png);
     };
-    let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    let extension = path
+        .extension()
+        .and_then(|e| e.to_str())
+        .map(str::to_ascii_lowercase);
     match extension.as_deref() {
         Some("png") => Ok(Encoding::Png),
         Some("exr") if args.exposure != 0.0 => Err(Failure::file(
@@ -195,7 +205,10 @@ fn encoding(destination: &Destination, args: &RenderArgs) -> Outcome<Encoding> {
             "an EXR always has an alpha channel; --transparent is for PNG",
         )),
         Some("exr") => Ok(Encoding::Exr),
-        _ => Err(Failure::file(path, "a picture's name must end in .png or .exr")),
+        _ => Err(Failure::file(
+            path,
+            "a picture's name must end in .png or .exr",
+        )),
     }
 }
 
@@ -254,7 +267,11 @@ fn choose_camera(
     let chosen = match args.eye {
         None => camera::frame(&bounds, up, vfov, width as f32 / height as f32),
         Some(eye) => {
-            let middle = if bounds.is_empty() { [0.0; 3] } else { bounds.centroid().to_array() };
+            let middle = if bounds.is_empty() {
+                [0.0; 3]
+            } else {
+                bounds.centroid().to_array()
+            };
             camera::look_at(eye.0, args.look_at.map_or(middle, |at| at.0), up, vfov)?
         }
     };
