@@ -6,7 +6,7 @@ use crate::output::Destination;
 use crate::progress::Progress;
 use crate::scene_file::{self, SceneFile};
 use crate::terminal::{self, counted, seconds};
-use boxwood_render::{Film, Options, Pixel, PngOptions, Renderer, Setup, View, camera};
+use boxwood_render::{Film, Options, Pixel, PngOptions, Renderer, Setup, camera};
 use boxwood_scene::{Camera, Image};
 use serde::Serialize;
 use std::fs;

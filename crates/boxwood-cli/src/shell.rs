@@ -35,7 +35,6 @@ pub fn man(args: &ManArgs) -> Outcome {
             .get_display_name()
             .unwrap_or(command.get_name())
             .to_string();
-        let command = command.name(name.clone());
         Destination::File(folder.join(format!("{name}.1"))).write(&page(command)?)?;
         pages += 1;
     }
