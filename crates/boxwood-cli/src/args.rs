@@ -6,8 +6,9 @@ mod values;
 
 use crate::failure::{Failure, Outcome};
 use boxwood::StructureKind;
-use clap::builder::Styles;
+use boxwood_render::View;
 use clap::builder::styling::AnsiColor;
+use clap::builder::{PossibleValuesParser, Styles, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -84,6 +85,12 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub spp: u32,
 
+    /// What the picture shows
+    ///
+    /// An EXR holds layers for all of them; with a view other than shaded, its R G B are black.
+    #[arg(long, value_name = "VIEW", default_value_t, value_parser = view_parser())]
+    pub view: View,
+
     #[command(flatten)]
     pub camera: CameraArgs,
 
@@ -113,7 +120,9 @@ pub struct RenderArgs {
 
 /// Where a picture is taken from.
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Camera (by default the scene's first one, or one that shows everything)")]
+#[command(
+    next_help_heading = "Camera (by default the scene's first one, or one that shows everything)"
+)]
 pub struct CameraArgs {
     /// One of the scene's own cameras, by name; `boxwood info` lists them
     #[arg(long, value_name = "NAME", conflicts_with_all = ["eye", "look_at", "up", "fov"])]
@@ -124,7 +133,12 @@ pub struct CameraArgs {
     pub eye: Option<Vector>,
 
     /// The point in the middle of the picture; by default the middle of the scene
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "eye")]
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        allow_hyphen_values = true,
+        requires = "eye"
+    )]
     pub look_at: Option<Vector>,
 
     /// The direction that points up in the picture; by default the file format's
@@ -231,11 +245,14 @@ pub struct TracingArgs {
     pub threads: Option<u32>,
 }
 
+/// Views by name, listed in the help and completed by shells.
+fn view_parser() -> impl TypedValueParser<Value = View> {
+    PossibleValuesParser::new(View::ALL.map(View::name)).try_map(|name| name.parse::<View>())
+}
+
 fn accel_help() -> String {
     let names = StructureKind::all().map(|kind| kind.to_string()).join(", ");
-    format!(
-        "The acceleration structure: {names}; settings follow after commas (bvh:median,leaf=2)"
-    )
+    format!("The acceleration structure: {names}; settings follow after commas (bvh:median,leaf=2)")
 }
 
 impl TracingArgs {

@@ -228,14 +228,24 @@ mod tests {
     fn only_exactly_flat_triangles_are_degenerate() {
         let flat = mesh(vec![
             // A point, a repeated corner, three points in a row.
-            [0.1; 3], [0.1; 3], [0.1; 3],
-            [1.0, 2.0, 3.0], [0.5; 3], [1.0, 2.0, 3.0],
-            [0.0; 3], [0.1; 3], [0.2; 3],
+            [0.1; 3],
+            [0.1; 3],
+            [0.1; 3],
+            [1.0, 2.0, 3.0],
+            [0.5; 3],
+            [1.0, 2.0, 3.0],
+            [0.0; 3],
+            [0.1; 3],
+            [0.2; 3],
         ]);
         assert_eq!(degenerate(&flat), 3);
         let thin = mesh(vec![
-            [0.0; 3], [1.0, 0.0, 0.0], [0.5, f32::MIN_POSITIVE, 0.0],
-            [0.1; 3], [0.2; 3], [0.3; 3],
+            [0.0; 3],
+            [1.0, 0.0, 0.0],
+            [0.5, f32::MIN_POSITIVE, 0.0],
+            [0.1; 3],
+            [0.2; 3],
+            [0.3; 3],
         ]);
         // The float 0.3 is not three times the float 0.1, yet all lie on the diagonal.
         assert_eq!(degenerate(&thin), 1);

@@ -15,6 +15,7 @@ mod info;
 mod npy;
 mod output;
 mod progress;
+mod render;
 mod scene_file;
 mod shell;
 mod terminal;
@@ -27,7 +28,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let cli = Cli::parse_from(args::join_vectors(std::env::args_os()));
     let outcome = match &cli.verb {
-        Verb::Render(_) => Ok(()),
+        Verb::Render(args) => render::run(args),
         Verb::Info(args) => info::run(args),
         Verb::Cast(args) => cast::run(args),
         Verb::Completions(args) => shell::completions(args),

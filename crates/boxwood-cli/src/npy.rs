@@ -140,7 +140,11 @@ impl<'a> Scanner<'a> {
     }
 
     fn string(&mut self) -> Option<&'a str> {
-        let quote = if self.mark('\'').is_some() { '\'' } else { self.mark('"').map(|()| '"')? };
+        let quote = if self.mark('\'').is_some() {
+            '\''
+        } else {
+            self.mark('"').map(|()| '"')?
+        };
         let (string, rest) = self.0.split_once(quote)?;
         self.0 = rest;
         Some(string)
@@ -172,7 +176,9 @@ impl<'a> Scanner<'a> {
 
     fn number(&mut self) -> Option<u64> {
         let text = self.0.trim_ascii_start();
-        let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
+        let end = text
+            .find(|c: char| !c.is_ascii_digit())
+            .unwrap_or(text.len());
         // Python 2 wrote long integers with an L.
         self.0 = text[end..].strip_prefix('L').unwrap_or(&text[end..]);
         text[..end].parse().ok()
@@ -221,12 +227,17 @@ mod tests {
     #[test]
     fn nonsense_is_refused_in_a_sentence() {
         let refused = |bytes: &[u8]| Header::read(bytes).expect_err("nonsense");
-        assert_eq!(refused(b""), "is not a NumPy .npy file: it does not begin with \\x93NUMPY");
+        assert_eq!(
+            refused(b""),
+            "is not a NumPy .npy file: it does not begin with \\x93NUMPY"
+        );
         assert!(refused(b"PK\x03\x04").starts_with("is an .npz archive"));
         assert!(refused(b"\x93NUMPY\x09\x01ab").contains("version 9.1"));
         assert!(refused(b"\x93NUMPY\x01\x00").contains("ends within its header"));
         assert!(refused(b"\x93NUMPY\x01\x00\x76\x00{'de").contains("ends within its header"));
-        assert!(refused(b"\x93NUMPY\x02\x00\xff\xff\xff\xff{").contains("header of 4294967295 bytes"));
+        assert!(
+            refused(b"\x93NUMPY\x02\x00\xff\xff\xff\xff{").contains("header of 4294967295 bytes")
+        );
         for text in [
             "",
             "{",
@@ -239,7 +250,10 @@ mod tests {
             "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 6)} + 1",
             &"(".repeat(9_999),
         ] {
-            assert!(refused(&header(text)).contains("descr, fortran_order and shape"), "{text}");
+            assert!(
+                refused(&header(text)).contains("descr, fortran_order and shape"),
+                "{text}"
+            );
         }
     }
 }

@@ -198,21 +198,23 @@ fn stop_cleanly() -> Outcome {
 
     static ONCE: Once = Once::new();
     let mut outcome = Ok(());
-    ONCE.call_once(|| match signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) {
-        Err(e) => outcome = Err(e),
-        Ok(mut signals) => {
-            std::thread::spawn(move || {
-                for signal in signals.forever() {
-                    // Held to the end: nobody makes another one.
-                    let pending = temporary();
-                    if let Some(path) = &*pending {
-                        let _ = fs::remove_file(path);
+    ONCE.call_once(
+        || match signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) {
+            Err(e) => outcome = Err(e),
+            Ok(mut signals) => {
+                std::thread::spawn(move || {
+                    for signal in signals.forever() {
+                        // Held to the end: nobody makes another one.
+                        let pending = temporary();
+                        if let Some(path) = &*pending {
+                            let _ = fs::remove_file(path);
+                        }
+                        let _ = signal_hook::low_level::emulate_default_handler(signal);
                     }
-                    let _ = signal_hook::low_level::emulate_default_handler(signal);
-                }
-            });
-        }
-    });
+                });
+            }
+        },
+    );
     outcome.map_err(|e| Failure::new(format!("signals cannot be watched: {e}")))
 }
 

@@ -31,12 +31,18 @@ pub fn man(args: &ManArgs) -> Outcome {
         .collect();
     let mut pages = 0;
     for command in std::iter::once(command).chain(verbs) {
-        let name = command.get_display_name().unwrap_or(command.get_name()).to_string();
-        let command = command.name(name.clone());
+        let name = command
+            .get_display_name()
+            .unwrap_or(command.get_name())
+            .to_string();
         Destination::File(folder.join(format!("{name}.1"))).write(&page(command)?)?;
         pages += 1;
     }
-    Channel::Stdout.say(format_args!("wrote {} to {}", counted(pages, "page"), folder.display()))
+    Channel::Stdout.say(format_args!(
+        "wrote {} to {}",
+        counted(pages, "page"),
+        folder.display()
+    ))
 }
 
 fn page(command: clap::Command) -> Outcome<Vec<u8>> {

@@ -45,7 +45,15 @@ pub fn pour(bytes: &[u8]) -> Outcome {
 
 /// Says why the command fails.
 pub fn error(sentence: &str) {
-    let _ = writeln!(anstream::stderr().lock(), "{ERROR}error:{ERROR:#} {sentence}");
+    let _ = writeln!(
+        anstream::stderr().lock(),
+        "{ERROR}error:{ERROR:#} {sentence}"
+    );
+}
+
+/// Says something that is good to know.
+pub fn note(text: impl Display) {
+    let _ = writeln!(anstream::stderr().lock(), "note: {text}");
 }
 
 /// Says what was passed over in a scene, the first few in full.
@@ -118,7 +126,12 @@ mod tests {
 
     #[test]
     fn numbers_are_grouped() {
-        for (n, text) in [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")] {
+        for (n, text) in [
+            (0, "0"),
+            (999, "999"),
+            (1000, "1,000"),
+            (1_234_567, "1,234,567"),
+        ] {
             assert_eq!(grouped(n), text);
         }
     }

@@ -85,7 +85,9 @@ pub fn join_vectors(args: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
     let mut rest: Vec<OsString> = args.into_iter().collect();
     let mut joined = Vec::with_capacity(rest.len());
     while !rest.is_empty() {
-        let is_flag = ["--eye", "--look-at", "--up"].iter().any(|flag| rest[0] == *flag);
+        let is_flag = ["--eye", "--look-at", "--up"]
+            .iter()
+            .any(|flag| rest[0] == *flag);
         let numbers: Vec<&str> = rest[1..]
             .iter()
             .take(3)
@@ -117,9 +119,18 @@ mod tests {
             let error = text.parse::<Size>().expect_err(text);
             assert_eq!(error, "expected a width and a height, such as 1280x720");
         }
-        assert!("0x5".parse::<Size>().expect_err("zero").contains("without pixels"));
+        assert!(
+            "0x5"
+                .parse::<Size>()
+                .expect_err("zero")
+                .contains("without pixels")
+        );
         for text in ["32769x1", "1x99999999999", "32768x32768"] {
-            assert!(text.parse::<Size>().expect_err(text).starts_with("too large"));
+            assert!(
+                text.parse::<Size>()
+                    .expect_err(text)
+                    .starts_with("too large")
+            );
         }
         assert_eq!("32768x8192".parse(), Ok(Size([32_768, 8192])));
     }
@@ -130,7 +141,11 @@ mod tests {
             assert_eq!(text.parse(), Ok(Vector([1.0, -2.5, 30.0])));
         }
         for text in ["", "1", "1,2", "1,2,3,4", "a,b,c", "1,,3"] {
-            assert!(text.parse::<Vector>().expect_err(text).contains("three numbers"));
+            assert!(
+                text.parse::<Vector>()
+                    .expect_err(text)
+                    .contains("three numbers")
+            );
         }
         for text in ["1,2,inf", "nan,0,0", "1e99,0,0"] {
             assert!(text.parse::<Vector>().expect_err(text).contains("finite"));
@@ -158,7 +173,10 @@ mod tests {
         };
         for (line, joined) in [
             ("b render --eye 1 -2 3 s.obj", "b render --eye 1,-2,3 s.obj"),
-            ("b --eye 1,2,3 --look-at 4 5 6", "b --eye 1,2,3 --look-at 4,5,6"),
+            (
+                "b --eye 1,2,3 --look-at 4 5 6",
+                "b --eye 1,2,3 --look-at 4,5,6",
+            ),
             ("b --eye 1,2,3 4 5 6", "b --eye 1,2,3 4 5 6"),
             ("b --eye 1 2 s.obj", "b --eye 1 2 s.obj"),
             ("b --eye", "b --eye"),

@@ -105,14 +105,22 @@ fn add_hits(
         .map(|(_, hit)| hit.map(|h| flat.locate(h.primitive)))
         .collect();
     let located = || located.iter();
-    archive.add("primitive", located().map(|l| l.map_or(NONE, |l| l.primitive)))?;
+    archive.add(
+        "primitive",
+        located().map(|l| l.map_or(NONE, |l| l.primitive)),
+    )?;
     archive.add("geometry", located().map(|l| l.map_or(NONE, |l| l.mesh)))?;
-    archive.add("instance", located().map(|l| l.map_or(NONE, |l| l.instance)))?;
+    archive.add(
+        "instance",
+        located().map(|l| l.map_or(NONE, |l| l.instance)),
+    )?;
     if normals {
         let normals: Vec<[f32; 3]> = hits
             .par_iter()
             .map(|(ray, hit)| {
-                hit.map_or([0.0; 3], |hit| flat.mesh.surface(ray, &hit).normal.to_array())
+                hit.map_or([0.0; 3], |hit| {
+                    flat.mesh.surface(ray, &hit).normal.to_array()
+                })
             })
             .collect();
         archive.add_vectors("normal", normals)?;

@@ -48,7 +48,11 @@ impl Archive {
     }
 
     /// Adds an array of numbers.
-    pub fn add<T: Element>(&mut self, name: &str, values: impl IntoIterator<Item = T>) -> io::Result<()> {
+    pub fn add<T: Element>(
+        &mut self,
+        name: &str,
+        values: impl IntoIterator<Item = T>,
+    ) -> io::Result<()> {
         self.rows(name, &[], values)
     }
 

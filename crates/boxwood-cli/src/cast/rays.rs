@@ -33,7 +33,11 @@ fn decode(bytes: &[u8]) -> Result<Vec<Ray>, String> {
         ">f4" => |b| f32::from_be_bytes(fixed(b)),
         "<f8" => |b| f64::from_le_bytes(fixed(b)) as f32,
         ">f8" => |b| f64::from_be_bytes(fixed(b)) as f32,
-        other => return Err(format!("holds numbers of type {other}; expected {EXPECTED}")),
+        other => {
+            return Err(format!(
+                "holds numbers of type {other}; expected {EXPECTED}"
+            ));
+        }
     };
     let width: u64 = if header.descr.ends_with('4') { 4 } else { 8 };
     let (n, columns) = match header.shape[..] {
@@ -54,7 +58,11 @@ fn decode(bytes: &[u8]) -> Result<Vec<Ray>, String> {
     }
     // The multiplication above has shown that these fit.
     let (n, columns, width) = (n as usize, columns as usize, width as usize);
-    let (per_ray, per_column) = if header.fortran_order { (1, n) } else { (columns, 1) };
+    let (per_ray, per_column) = if header.fortran_order {
+        (1, n)
+    } else {
+        (columns, 1)
+    };
     let at = |ray: usize, column: usize| {
         let first = (ray * per_ray + column * per_column) * width;
         number(&data[first..first + width])
@@ -101,13 +109,29 @@ mod tests {
             let mut seen = Vec::new();
             for fortran in [false, true] {
                 let values: Vec<f64> = if fortran {
-                    (0..columns).flat_map(|c| [value(0, c), value(1, c)]).collect()
+                    (0..columns)
+                        .flat_map(|c| [value(0, c), value(1, c)])
+                        .collect()
                 } else {
-                    (0..2).flat_map(|r| (0..columns).map(move |c| value(r, c))).collect()
+                    (0..2)
+                        .flat_map(|r| (0..columns).map(move |c| value(r, c)))
+                        .collect()
                 };
                 let encodings: [(&str, Vec<u8>); 4] = [
-                    ("<f4", values.iter().flat_map(|&x| (x as f32).to_le_bytes()).collect()),
-                    (">f4", values.iter().flat_map(|&x| (x as f32).to_be_bytes()).collect()),
+                    (
+                        "<f4",
+                        values
+                            .iter()
+                            .flat_map(|&x| (x as f32).to_le_bytes())
+                            .collect(),
+                    ),
+                    (
+                        ">f4",
+                        values
+                            .iter()
+                            .flat_map(|&x| (x as f32).to_be_bytes())
+                            .collect(),
+                    ),
                     ("<f8", values.iter().flat_map(|x| x.to_le_bytes()).collect()),
                     (">f8", values.iter().flat_map(|x| x.to_be_bytes()).collect()),
                 ];

@@ -1,0 +1,279 @@
+//! `boxwood render`: a picture of a scene.
+
+use crate::args::{CameraArgs, RenderArgs};
+use crate::failure::{Failure, Outcome};
+use crate::output::Destination;
+use crate::progress::Progress;
+use crate::scene_file::{self, SceneFile};
+use crate::terminal::{self, counted, seconds};
+use boxwood_render::{Film, Options, Pixel, PngOptions, Renderer, Setup, camera};
+use boxwood_scene::{Camera, Image};
+use serde::Serialize;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Vertical field of view of a camera that nobody described.
+const FOV: f32 = 40.0;
+
+/// Pictures whose making takes more memory are announced.
+const MUCH: u64 = 4 << 30;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Encoding {
+    Png,
+    Exr,
+}
+
+/// What is said at the end.
+#[derive(Serialize)]
+struct Report<'a> {
+    scene: &'a str,
+    output: String,
+    width: u32,
+    height: u32,
+    spp: u32,
+    depth: u32,
+    view: &'static str,
+    /// `null` for one that was found by itself or described on the command line.
+    camera: Option<String>,
+    triangles: u64,
+    structure: String,
+    threads: usize,
+    load_seconds: f64,
+    /// Triangles laid out, structure built, images decoded.
+    build_seconds: f64,
+    render_seconds: f64,
+    write_seconds: f64,
+    /// Of the file.
+    bytes: u64,
+    warnings: Vec<String>,
+}
+
+pub fn run(args: &RenderArgs) -> Outcome {
+    let output = match &args.output {
+        Some(path) => path.clone(),
+        None => default_output(&args.scene)?,
+    };
+    let destination = Destination::new(&output);
+    let encoding = encoding(&destination, args)?;
+    destination.check()?;
+    let environment = args.environment.as_deref().map(environment).transpose()?;
+    args.tracing
+        .in_pool(|threads| picture(args, &destination, encoding, environment, threads))
+}
+
+fn picture(
+    args: &RenderArgs,
+    destination: &Destination,
+    encoding: Encoding,
+    environment: Option<Image>,
+    threads: usize,
+) -> Outcome {
+    let file = scene_file::open(&args.scene)?;
+    // Before the work of building: a wrong camera ends here.
+    let (camera, camera_name) = choose_camera(&args.camera, &file, args.size.0)?;
+    let mut warnings = file.scene.warnings.clone();
+
+    let mut setup = Setup::default();
+    setup.structure = args.tracing.accel;
+    setup.environment = environment;
+    let start = Instant::now();
+    let renderer = {
+        let _progress = Progress::spinner(format!("Building {}", args.tracing.accel));
+        Renderer::new(&file.scene, &setup)
+            .map_err(|e| Failure::new(format!("{}: {e}", file.name)))?
+    };
+    let build_seconds = start.elapsed().as_secs_f64();
+    warnings.extend_from_slice(renderer.warnings());
+    terminal::warnings(&file.name, &warnings);
+
+    let [width, height] = args.size.0;
+    // Finished tiles and the film they are put together to.
+    let memory = 2 * u64::from(width) * u64::from(height) * size_of::<Pixel>() as u64;
+    if memory > MUCH {
+        terminal::note(format_args!(
+            "a picture of {width}x{height} pixels takes about {} of memory",
+            terminal::bytes(memory)
+        ));
+    }
+    let mut options = Options::default();
+    options.size = args.size.0;
+    options.spp = args.spp;
+    options.depth = args.depth;
+    options.view = args.view;
+    options.check()?;
+    let start = Instant::now();
+    let film = {
+        let progress = Progress::bar("Rendering");
+        renderer.render(&camera, &options, &|done, of| progress.at(done, of))
+    };
+    let render_seconds = start.elapsed().as_secs_f64();
+
+    let start = Instant::now();
+    let bytes = encode(&film, encoding, args)?;
+    destination.write(&bytes)?;
+    let report = Report {
+        scene: &file.name,
+        output: match destination {
+            Destination::Stdout => "-".to_string(),
+            Destination::File(path) => path.display().to_string(),
+        },
+        width,
+        height,
+        spp: args.spp,
+        depth: args.depth,
+        view: args.view.name(),
+        camera: camera_name,
+        triangles: file.scene.triangle_count(),
+        structure: args.tracing.accel.to_string(),
+        threads,
+        load_seconds: file.seconds,
+        build_seconds,
+        render_seconds,
+        write_seconds: start.elapsed().as_secs_f64(),
+        bytes: bytes.len() as u64,
+        warnings,
+    };
+    let channel = destination.report();
+    if args.json {
+        channel.say(serde_json::to_string_pretty(&report)?)
+    } else {
+        channel.say(report.table())
+    }
+}
+
+impl Report<'_> {
+    fn table(&self) -> String {
+        let place = if self.output == "-" {
+            "standard output"
+        } else {
+            &self.output
+        };
+        let camera = self
+            .camera
+            .as_ref()
+            .map_or(String::new(), |name| format!(", camera {name}"));
+        format!(
+            "scene   {}: {}{camera}\n\
+             loaded  in {}, built {} in {}\n\
+             traced  in {} with {}\n\
+             wrote   {place} ({}x{}, {}, {}, {})",
+            self.scene,
+            counted(self.triangles, "triangle"),
+            seconds(self.load_seconds),
+            self.structure,
+            seconds(self.build_seconds),
+            seconds(self.render_seconds),
+            counted(self.threads as u64, "thread"),
+            self.width,
+            self.height,
+            self.view,
+            counted(u64::from(self.spp), "sample"),
+            terminal::bytes(self.bytes),
+        )
+    }
+}
+
+/// A PNG in the current folder, named after the scene.
+fn default_output(scene: &Path) -> Outcome<PathBuf> {
+    let stem = scene
+        .file_stem()
+        .ok_or_else(|| Failure::file(scene, "is not a file"))?;
+    let mut name = stem.to_os_string();
+    name.push(".png");
+    Ok(name.into())
+}
+
+/// What the output's name asks for.
+fn encoding(destination: &Destination, args: &RenderArgs) -> Outcome<Encoding> {
+    let Destination::File(path) = destination else {
+        return Ok(Encoding::Png);
+    };
+    let extension = path
+        .extension()
+        .and_then(|e| e.to_str())
+        .map(str::to_ascii_lowercase);
+    match extension.as_deref() {
+        Some("png") => Ok(Encoding::Png),
+        Some("exr") if args.exposure != 0.0 => Err(Failure::file(
+            path,
+            "an EXR keeps light as it is; --exposure is for PNG",
+        )),
+        Some("exr") if args.transparent => Err(Failure::file(
+            path,
+            "an EXR always has an alpha channel; --transparent is for PNG",
+        )),
+        Some("exr") => Ok(Encoding::Exr),
+        _ => Err(Failure::file(
+            path,
+            "a picture's name must end in .png or .exr",
+        )),
+    }
+}
+
+fn encode(film: &Film, encoding: Encoding, args: &RenderArgs) -> Outcome<Vec<u8>> {
+    let _progress = Progress::spinner("Encoding");
+    Ok(match encoding {
+        Encoding::Exr => film.exr()?,
+        Encoding::Png => film.png(&PngOptions {
+            view: args.view,
+            exposure: args.exposure,
+            transparent: args.transparent,
+        })?,
+    })
+}
+
+/// Reads an environment image; its pixels are decoded too, so that a broken one is found before anything is built.
+fn environment(path: &Path) -> Outcome<Image> {
+    let bytes =
+        fs::read(path).map_err(|e| Failure::file(path, format_args!("cannot be read: {e}")))?;
+    Ok(Image::from_bytes(path.display().to_string(), bytes)?)
+}
+
+/// The camera the user asked for, the scene's first, or one that shows everything; and its name when it is the scene's.
+fn choose_camera(
+    args: &CameraArgs,
+    file: &SceneFile,
+    [width, height]: [u32; 2],
+) -> Outcome<(Camera, Option<String>)> {
+    let names = file.camera_names();
+    let own = |i: usize| Ok((file.scene.cameras[i].clone(), Some(names[i].clone())));
+    if let Some(wanted) = &args.camera {
+        let found = names.iter().position(|name| name == wanted);
+        return match found {
+            Some(i) => own(i),
+            None if names.is_empty() => Err(Failure::new(format!(
+                "{}: has no cameras of its own, so none is called `{wanted}`",
+                file.name
+            ))),
+            None => Err(Failure::new(format!(
+                "{}: no camera is called `{wanted}`; there are {}",
+                file.name,
+                names.join(", ")
+            ))),
+        };
+    }
+    let described = args.eye.is_some() || args.up.is_some() || args.fov.is_some();
+    if !described && !names.is_empty() {
+        return own(0);
+    }
+    let up = args.up.map_or(file.scene.up, |up| up.0);
+    if up == [0.0; 3] {
+        return Err(Failure::new("--up 0,0,0 gives no direction"));
+    }
+    let vfov = args.fov.unwrap_or(FOV).to_radians();
+    let bounds = file.scene.bounds();
+    let chosen = match args.eye {
+        None => camera::frame(&bounds, up, vfov, width as f32 / height as f32),
+        Some(eye) => {
+            let middle = if bounds.is_empty() {
+                [0.0; 3]
+            } else {
+                bounds.centroid().to_array()
+            };
+            camera::look_at(eye.0, args.look_at.map_or(middle, |at| at.0), up, vfov)?
+        }
+    };
+    Ok((chosen, None))
+}

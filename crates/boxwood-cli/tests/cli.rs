@@ -1,0 +1,12 @@
+//! The command as a user meets it: every verb, on tiny files that the tests write.
+
+#[path = "cli/bench.rs"]
+mod bench;
+#[path = "cli/cast.rs"]
+mod cast;
+#[path = "cli/info.rs"]
+mod info;
+#[path = "cli/render.rs"]
+mod render;
+#[path = "cli/shell.rs"]
+mod shell;
