@@ -8,6 +8,7 @@ use crate::shade::material::{self, Prepared, Textures};
 use crate::shade::texture::{Encoding, Texture};
 use boxwood::{Aabb, Affine, Intersect, TriangleMesh, Vec3};
 use boxwood_scene::{FlatScene, Image, ImageData, Light, LightKind, Mesh, Scene};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Everything that shading reads. Nothing in it changes while rays fly.
@@ -39,6 +40,8 @@ pub(crate) struct World {
 pub(crate) struct Attributes {
     pub triangles: Vec<[u32; 3]>,
     pub normals: Vec<[f32; 3]>,
+    /// Normals of each triangle's corners, made where the file has none and the surface may be smooth.
+    pub corner_normals: Vec<[[f32; 3]; 3]>,
     pub tangents: Vec<[f32; 4]>,
     pub uvs: [Vec<[f32; 2]>; 2],
     pub colors: Vec<[f32; 4]>,
@@ -107,7 +110,7 @@ impl World {
             flat,
             meshes: scene
                 .meshes
-                .iter()
+                .par_iter()
                 .map(|mesh| Attributes::of(mesh, scene.materials.len()))
                 .collect(),
             placements: scene
@@ -135,8 +138,8 @@ impl World {
         Ok(world)
     }
 
-    /// Chooses the surroundings: what the caller gives, else what the scene names, else a sky that is full day where
-    /// nothing else shines, and dusk where lights should be seen.
+    /// Chooses the surroundings: what the caller gives, else what the scene names, else a sky: full day where nothing
+    /// else shines or a sun does, dusk where other lights should be seen.
     fn light_up(
         &mut self,
         scene: &Scene,
@@ -164,8 +167,14 @@ impl World {
             self.environment = Environment::sky(self.up, DAY);
             self.key_light = Some(KEY);
         } else {
-            // Lights are balanced against the exposure; the sky must not be.
-            self.environment = Environment::sky(self.up, DUSK / self.exposure);
+            // A light from infinitely far away is a sun, and a sun stands in a sky. Lights are balanced against the
+            // exposure; the sky must not be.
+            let outdoors = self
+                .lamps
+                .iter()
+                .any(|lamp| matches!(lamp, Lamp::Far { .. }));
+            let brightness = if outdoors { SUNNY } else { DUSK };
+            self.environment = Environment::sky(self.up, brightness / self.exposure);
         }
         Ok(())
     }
@@ -210,8 +219,11 @@ impl World {
     }
 }
 
-/// Brightness of the sky by day, and beside lights.
+/// Edges sharper than this (40 degrees) stay edges where smooth normals are made.
+const CREASE: f32 = 0.698;
+/// Brightness of the sky with the key light, around a sun of the scene, and beside other lights.
 const DAY: f32 = 0.85;
+const SUNNY: f32 = 0.65;
 const DUSK: f32 = 0.22;
 /// Irradiance of the key light: a low, warm sun.
 const KEY: Vec3 = Vec3::new(2.25, 2.1, 1.85);
@@ -283,6 +295,11 @@ impl Attributes {
         }
         Self {
             triangles: mesh.triangles.clone(),
+            corner_normals: if mesh.normals.is_empty() && mesh.smooth {
+                mesh.corner_normals(CREASE)
+            } else {
+                Vec::new()
+            },
             normals: whole(&mesh.normals, mesh),
             tangents: whole(&mesh.tangents, mesh),
             uvs: [whole(&mesh.uvs, mesh), whole(&mesh.uvs1, mesh)],

@@ -9,8 +9,8 @@ use std::f32::consts::PI;
 
 /// The share of an image's light that its brightest spot must have to become a [`Sun`].
 const SUN_SHARE: f32 = 0.08;
-/// How many times brighter than the mean a pixel of the sun is.
-const SUN_PEAK: f32 = 40.0;
+/// How many times brighter than the mean of the rest a pixel of the sun is.
+const SUN_PEAK: f32 = 10.0;
 /// Columns and rows of the grid that the light is summed over.
 const GRID: [u32; 2] = [256, 128];
 
@@ -41,9 +41,13 @@ impl Map {
             intensity,
             ceiling: f32::INFINITY,
         };
-        let mean = map.sum(|_, light| light) / (4.0 * PI);
-        let peak = SUN_PEAK * luminance(mean);
-        let all = luminance(mean) * 4.0 * PI;
+        let all = luminance(map.sum(|light| light));
+        // Each round takes more of the sun out of the mean that it is compared with.
+        for _ in 0..4 {
+            let mean = luminance(map.sum(|light| map.below_ceiling(light))) / (4.0 * PI);
+            map.ceiling = SUN_PEAK * mean;
+        }
+        let peak = map.ceiling;
         let (mut irradiance, mut direction, mut solid_angle) = (Vec3::ZERO, Vec3::ZERO, 0.0);
         map.each_cell(|d, light, angle| {
             let brightness = luminance(light);
@@ -58,9 +62,9 @@ impl Map {
         let together = direction.length() / luminance(irradiance).max(f32::MIN_POSITIVE);
         // Several lamps far apart are no sun: their mean direction would be none of theirs.
         if !(luminance(irradiance) > SUN_SHARE * all && together > 0.97) {
+            map.ceiling = f32::INFINITY;
             return (map, None);
         }
-        map.ceiling = peak;
         let sun = Sun {
             direction: direction.normalized(),
             irradiance,
@@ -80,9 +84,9 @@ impl Map {
         }
     }
 
-    fn sum(&self, f: impl Fn(Vec3, Vec3) -> Vec3) -> Vec3 {
+    fn sum(&self, f: impl Fn(Vec3) -> Vec3) -> Vec3 {
         let mut sum = Vec3::ZERO;
-        self.each_cell(|d, light, angle| sum += f(d, light) * angle);
+        self.each_cell(|_, light, angle| sum += f(light) * angle);
         sum
     }
 

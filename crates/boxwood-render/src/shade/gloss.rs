@@ -43,12 +43,13 @@ pub fn towards_even_light(at_normal: Vec3, roughness: f32, n_v: f32) -> Vec3 {
 mod tests {
     use super::*;
 
-    /// A lossless rough mirror reflects no more than it gets, and a smooth one nearly all.
+    /// A lossless rough mirror reflects no more than it gets. What a rough one loses are the reflections between its facets,
+    /// which the model leaves out.
     #[test]
     fn the_lobe_neither_loses_nor_makes_light() {
         let normal = Vec3::new(0.0, 1.0, 0.0);
         let to_eye = Vec3::new(0.6, 0.8, 0.0);
-        for (roughness, least) in [(0.3, 0.97), (0.6, 0.85), (1.0, 0.5)] {
+        for (roughness, least) in [(0.3, 0.95), (0.6, 0.78), (1.0, 0.4)] {
             let (rows, columns) = (400, 400);
             let mut sum = 0.0;
             for row in 0..rows {

@@ -35,6 +35,8 @@ pub(crate) struct Point<'a> {
 /// What the three corners say about attributes.
 struct Corners<'a> {
     mesh: &'a Attributes,
+    /// Number of the triangle in its mesh.
+    triangle: usize,
     vertices: [usize; 3],
     weights: [f32; 3],
 }
@@ -53,9 +55,17 @@ impl Corners<'_> {
         ]
     }
 
-    fn vector(&self, list: &[[f32; 3]]) -> Vec3 {
-        let [a, b, c] = self.vertices.map(|v| Vec3::from(list[v]));
-        a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
+    /// The interpolated normal in object space, of any length.
+    fn normal(&self) -> Option<Vec3> {
+        let [a, b, c] = if let Some(corners) = self.mesh.corner_normals.get(self.triangle) {
+            *corners
+        } else if self.mesh.normals.is_empty() {
+            return None;
+        } else {
+            self.vertices.map(|v| self.mesh.normals[v])
+        };
+        let w = self.weights;
+        Some(Vec3::from(a) * w[0] + Vec3::from(b) * w[1] + Vec3::from(c) * w[2])
     }
 
     fn colour(&self) -> Option<[f32; 4]> {
@@ -86,6 +96,7 @@ impl World {
         let mesh = &self.meshes[located.mesh as usize];
         let corners = Corners {
             vertices: mesh.triangles[located.triangle as usize].map(|v| v as usize),
+            triangle: located.triangle as usize,
             weights: [1.0 - hit.u - hit.v, hit.u, hit.v],
             mesh,
         };
@@ -235,10 +246,8 @@ impl World {
         facing: Vec3,
         texture_width: &[f32; 2],
     ) -> Vec3 {
-        let mesh = corners.mesh;
         let mut normal = facing;
-        if !mesh.normals.is_empty() {
-            let smooth = corners.vector(&mesh.normals);
+        if let Some(smooth) = corners.normal() {
             let placed = if placement.plain {
                 smooth.normalized()
             } else {
