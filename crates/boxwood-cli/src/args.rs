@@ -30,7 +30,6 @@ const STYLES: Styles = Styles::styled()
     name = "boxwood",
     version,
     styles = STYLES,
-    propagate_version = true,
     arg_required_else_help = true,
     max_term_width = 100,
     after_help = "\
@@ -40,7 +39,7 @@ Examples:
   boxwood info sponza.obj                      Say what is in a file
   boxwood cast bunny.ply --rays rays.npy -o hits.npz
 
-`boxwood help VERB` says more about each."
+`boxwood help COMMAND` says more about each."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -118,23 +117,24 @@ pub struct RenderArgs {
     pub json: bool,
 }
 
+/// The heading of [`CameraArgs`].
+const CAMERA: &str = "Camera (by default the scene's first one, or one that shows everything)";
+
 /// Where a picture is taken from.
 #[derive(Args, Debug)]
-#[command(
-    next_help_heading = "Camera (by default the scene's first one, or one that shows everything)"
-)]
 pub struct CameraArgs {
     /// One of the scene's own cameras, by name; `boxwood info` lists them
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["eye", "look_at", "up", "fov"])]
+    #[arg(long, help_heading = CAMERA, value_name = "NAME", conflicts_with_all = ["eye", "look_at", "up", "fov"])]
     pub camera: Option<String>,
 
     /// Where the camera stands (three values after a space will do as well)
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    #[arg(long, help_heading = CAMERA, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub eye: Option<Vector>,
 
     /// The point in the middle of the picture; by default the middle of the scene
     #[arg(
         long,
+        help_heading = CAMERA,
         value_name = "X,Y,Z",
         allow_hyphen_values = true,
         requires = "eye"
@@ -142,11 +142,11 @@ pub struct CameraArgs {
     pub look_at: Option<Vector>,
 
     /// The direction that points up in the picture; by default the file format's
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    #[arg(long, help_heading = CAMERA, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub up: Option<Vector>,
 
     /// Vertical field of view
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = fov)]
+    #[arg(long, help_heading = CAMERA, value_name = "DEGREES", allow_hyphen_values = true, value_parser = fov)]
     pub fov: Option<f32>,
 }
 

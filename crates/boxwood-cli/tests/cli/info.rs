@@ -50,7 +50,7 @@ fn json_has_all_fields() {
 #[test]
 fn nothing_has_no_bounds() {
     let bench = Bench::new();
-    bench.write("none.obj", "");
+    bench.write("none.obj", "v 0 0 0\n");
     let info = bench.json("info none.obj --json");
     assert_eq!(
         (&info["triangles"], &info["bounds"]),
