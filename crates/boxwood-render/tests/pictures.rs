@@ -5,7 +5,7 @@ mod scenes;
 use boxwood::StructureKind;
 use boxwood_render::{Film, Options, PngOptions, Renderer, Setup, View, camera};
 use boxwood_scene::{Alpha, Camera, Light, LightKind, Material, Mesh, Scene};
-use scenes::{add, ball, cuboid, place, quad};
+use scenes::{add, ball, place, quad};
 
 const UP: [f32; 3] = [0.0, 1.0, 0.0];
 
@@ -42,6 +42,38 @@ fn light(kind: LightKind) -> Light {
     Light {
         name: String::new(),
         kind,
+    }
+}
+
+/// A box whose faces look outwards.
+fn cuboid(lower: [f32; 3], upper: [f32; 3], material: u32) -> Mesh {
+    let corner = |i: usize| {
+        std::array::from_fn(|axis| {
+            if i >> axis & 1 == 0 {
+                lower[axis]
+            } else {
+                upper[axis]
+            }
+        })
+    };
+    Mesh {
+        positions: (0..8).map(corner).collect(),
+        triangles: vec![
+            [0, 2, 1],
+            [1, 2, 3],
+            [4, 5, 6],
+            [5, 7, 6],
+            [0, 1, 4],
+            [1, 5, 4],
+            [2, 6, 3],
+            [3, 6, 7],
+            [0, 4, 2],
+            [2, 4, 6],
+            [1, 3, 5],
+            [3, 7, 5],
+        ],
+        material,
+        ..Mesh::default()
     }
 }
 

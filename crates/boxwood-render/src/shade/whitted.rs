@@ -37,6 +37,8 @@ pub(crate) struct Tracer<'a> {
     pub world: &'a World,
     /// The light over the viewer's shoulder, where the scene has none.
     pub key: Option<Lamp>,
+    /// What radiance is multiplied by in the end; unlit surfaces are held against it.
+    pub exposure: f32,
     /// How many mirrored or refracted rays may follow each other.
     pub depth: u32,
     /// Rays per soft lamp, and for ambient occlusion, at what the camera sees directly; 0 makes shadows hard and leaves
@@ -128,7 +130,7 @@ impl Tracer<'_> {
             };
             let mut radiance = if point.material.plain.unlit {
                 seen.unlit += share;
-                point.base * (1.0 / self.world.exposure)
+                point.base * (1.0 / self.exposure)
             } else {
                 let here = Branch {
                     weight: branch.weight * share,
