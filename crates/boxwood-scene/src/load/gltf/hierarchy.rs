@@ -24,7 +24,8 @@ impl Hierarchy {
     /// Checks all nodes and lists those of the scene to be shown: the default one, else the first, else all nodes.
     pub fn read(file: &File<'_>) -> Result<Self, SceneError> {
         let nodes = &file.root.nodes;
-        let bytes = (nodes.len() * (size_of::<Matrix>() + 4 * size_of::<u32>())) as u64;
+        // A matrix and the numbers in the lists below.
+        let bytes = (nodes.len() * (size_of::<Matrix>() + 32)) as u64;
         file.spend(bytes, || "nodes".to_owned())?;
         let parents = parents(file)?;
         let roots: Vec<u32> = (0..nodes.len() as u32)
@@ -32,28 +33,31 @@ impl Hierarchy {
             .collect();
 
         let mut world = vec![Matrix::IDENTITY; nodes.len()];
-        let mut is_reached = vec![false; nodes.len()];
-        let everything = depth_first(file, &roots, |node| {
-            is_reached[node as usize] = true;
-            let local = nodes.get(node as usize).map(Matrix::of_node);
-            let local = local.unwrap_or(Matrix::IDENTITY);
-            world[node as usize] = match parents[node as usize] {
-                NONE => local,
-                parent => world[parent as usize].after(&local),
-            };
-        });
+        let (everything, is_reached) = match place(file, &roots, &mut world) {
+            Ok(reached) => reached,
+            Err(node) => return Err(ring(file, &parents, node)),
+        };
         if let Some(node) = is_reached.iter().position(|reached| !reached) {
             return Err(ring(file, &parents, node as u32));
         }
-        let order = match scene_roots(file)? {
-            Some((path, roots)) => {
-                let roots: Vec<u32> = roots.iter().map(|root| root.0).collect();
-                check_roots(file, &path, &roots, &parents)?;
-                depth_first(file, &roots, |_| {})
-            }
-            None => everything,
+        let Some((path, roots)) = scene_roots(file)? else {
+            return Ok(Self {
+                world,
+                order: everything,
+            });
         };
-        Ok(Self { world, order })
+        for (n, &root) in roots.iter().enumerate() {
+            file.at(nodes, root, "node", || format!("{path}[{n}]"))?;
+        }
+        // Some writers list a node here that is another's child. It stands as if it were a root.
+        let roots: Vec<u32> = roots.iter().map(|root| root.0).collect();
+        match place(file, &roots, &mut world) {
+            Ok((order, _)) => Ok(Self { world, order }),
+            Err(node) => {
+                let problem = format!("node {node} stands in the scene twice");
+                Err(file.malformed(path, problem))
+            }
+        }
     }
 }
 
@@ -79,18 +83,32 @@ fn parents(file: &File<'_>) -> Result<Vec<u32>, SceneError> {
     Ok(parents)
 }
 
-/// Lists nodes from `roots` down. Ends because each node has one parent and no root is below another.
-fn depth_first(file: &File<'_>, roots: &[u32], mut visit: impl FnMut(u32)) -> Vec<u32> {
+/// Lists the nodes from `roots` down and says where they stand. Returns the list and which nodes are in it, or a node
+/// that is met for the second time.
+fn place(
+    file: &File<'_>,
+    roots: &[u32],
+    world: &mut [Matrix],
+) -> Result<(Vec<u32>, Vec<bool>), u32> {
     let mut order = Vec::new();
-    let mut stack: Vec<u32> = roots.iter().rev().copied().collect();
-    while let Some(number) = stack.pop() {
-        visit(number);
-        order.push(number);
-        if let Some(node) = file.root.nodes.get(number as usize) {
-            stack.extend(node.children.iter().rev().map(|child| child.0));
+    let mut is_reached = vec![false; world.len()];
+    let mut stack: Vec<(u32, u32)> = roots.iter().rev().map(|&root| (root, NONE)).collect();
+    while let Some((number, parent)) = stack.pop() {
+        if std::mem::replace(&mut is_reached[number as usize], true) {
+            return Err(number);
         }
+        order.push(number);
+        let Some(node) = file.root.nodes.get(number as usize) else {
+            continue;
+        };
+        let local = Matrix::of_node(node);
+        world[number as usize] = match parent {
+            NONE => local,
+            parent => world[parent as usize].after(&local),
+        };
+        stack.extend(node.children.iter().rev().map(|child| (child.0, number)));
     }
-    order
+    Ok((order, is_reached))
 }
 
 /// Names a link of the ring that `node` hangs on.
@@ -132,30 +150,4 @@ fn scene_roots<'f>(file: &'f File<'_>) -> Result<Option<(String, &'f [Index])>, 
         },
     };
     Ok(Some((format!("scenes[{number}].nodes"), &scene.nodes)))
-}
-
-/// Sees to it that no node stands in the scene twice.
-fn check_roots(
-    file: &File<'_>,
-    path: &str,
-    roots: &[u32],
-    parents: &[u32],
-) -> Result<(), SceneError> {
-    let mut is_root = vec![false; parents.len()];
-    for (n, &root) in roots.iter().enumerate() {
-        let path = || format!("{path}[{n}]");
-        file.at(parents, super::schema::Whole(root), "node", path)?;
-        if parents[root as usize] != NONE {
-            let problem = format!(
-                "node {root} is not a root: it is a child of nodes[{}]",
-                parents[root as usize]
-            );
-            return Err(file.malformed(path(), problem));
-        }
-        if std::mem::replace(&mut is_root[root as usize], true) {
-            let problem = format!("node {root} stands in the scene twice");
-            return Err(file.malformed(path(), problem));
-        }
-    }
-    Ok(())
 }

@@ -73,6 +73,11 @@ fn structure<T: DeserializeOwned>(parts: &Parts<'_>, name: &str) -> Result<T, Sc
         let text = error.to_string();
         let position = format!(" at line {} column {}", error.line(), error.column());
         let what = text.strip_suffix(&position).unwrap_or(&text);
+        // The parser's names for things are not those of JSON.
+        let what = what
+            .replace("invalid type: map", "invalid type: object")
+            .replace("invalid type: sequence", "invalid type: array")
+            .replace("expected a sequence", "expected an array");
         let is_syntax = error.classify() != Category::Data || path == ".";
         let (place, problem) = match (is_syntax, parts.is_text) {
             (true, true) => {
@@ -91,7 +96,7 @@ fn structure<T: DeserializeOwned>(parts: &Parts<'_>, name: &str) -> Result<T, Sc
                 let problem = format!("{what} (line {}, column {})", error.line(), error.column());
                 (Place::Path(path), problem)
             }
-            (false, false) => (Place::Path(path), what.to_owned()),
+            (false, false) => (Place::Path(path), what),
         };
         SceneError::Malformed {
             file: name.to_owned(),

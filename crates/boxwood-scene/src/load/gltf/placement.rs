@@ -153,7 +153,7 @@ pub fn cameras_and_lights(
         if let Some(index) = node.camera {
             let path = || format!("nodes[{number}].camera");
             let camera = file.at(&root.cameras, index, "camera", path)?;
-            let name = own_name(file, &camera.name, &node.name, &path)?;
+            let name = own_name(file, &camera.name, &node.name, path)?;
             rounded(file, hierarchy, number)?;
             match place_camera(camera, world) {
                 Ok((eye, forward, up, projection)) => scene.cameras.push(Camera {
@@ -169,7 +169,7 @@ pub fn cameras_and_lights(
         if let Some(light) = node.extensions.as_ref().and_then(|e| e.light.as_ref()) {
             let path = || format!("nodes[{number}].extensions.KHR_lights_punctual.light");
             let said = file.at(lights, light.light, "light", path)?;
-            let name = own_name(file, &said.name, &node.name, &path)?;
+            let name = own_name(file, &said.name, &node.name, path)?;
             rounded(file, hierarchy, number)?;
             match place_light(said, world) {
                 Some(kind) => scene.lights.push(Light { name, kind }),
