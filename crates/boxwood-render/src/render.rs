@@ -16,7 +16,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How a scene is made ready.
 #[derive(Clone, Debug, Default)]
-#[non_exhaustive]
 pub struct Setup {
     /// Over which structure rays are traced. The picture does not depend on it, only its cost.
     pub structure: StructureKind,
@@ -27,7 +26,6 @@ pub struct Setup {
 
 /// What a picture should be.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
 pub struct Options {
     /// Width and height in pixels.
     pub size: [u32; 2],

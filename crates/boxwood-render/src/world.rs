@@ -3,7 +3,8 @@
 use crate::RenderError;
 use crate::environment::Environment;
 use crate::render::Setup;
-use crate::shade::light::{Emitters, Lamp};
+use crate::shade::emitters::Emitters;
+use crate::shade::light::Lamp;
 use crate::shade::material::{self, Prepared, Textures};
 use crate::shade::texture::{Encoding, Texture};
 use boxwood::{Aabb, Affine, Intersect, TriangleMesh, Vec3};

@@ -10,10 +10,11 @@ use scenes::{add, ball, place, quad};
 const UP: [f32; 3] = [0.0, 1.0, 0.0];
 
 fn options(size: [u32; 2], spp: u32) -> Options {
-    let mut options = Options::default();
-    options.size = size;
-    options.spp = spp;
-    options
+    Options {
+        size,
+        spp,
+        ..Options::default()
+    }
 }
 
 fn picture(scene: &Scene, camera: &Camera, options: &Options) -> Film {
@@ -87,8 +88,10 @@ fn threads_and_structures_change_no_bit() {
         StructureKind::default(),
         "bvh:median".parse().expect("a structure"),
     ] {
-        let mut setup = Setup::default();
-        setup.structure = structure;
+        let setup = Setup {
+            structure,
+            ..Setup::default()
+        };
         let renderer = Renderer::new(&scene, &setup).expect("a good scene");
         for threads in [1, 2, 4] {
             let pool = rayon::ThreadPoolBuilder::new()

@@ -10,9 +10,10 @@
 //! *Source.* Whitted 1980, *An Improved Illumination Model for Shaded Display*; Chiang, Li & Burley 2019, *Taming the
 //! Shadow Terminator*.
 
+use super::direction::around_normal;
 use super::fresnel;
 use super::gloss;
-use super::light::{Aim, Lamp, around_normal};
+use super::light::{Aim, Lamp};
 use super::material::attenuate;
 use super::point::Point;
 use crate::colour::{WHITE, smoothstep};
