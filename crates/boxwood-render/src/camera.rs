@@ -186,11 +186,14 @@ impl Lens {
     }
 
     /// Where the light comes from when nobody set one: over the left shoulder of who looks, and always from above.
-    pub fn over_the_shoulder(&self, world_up: Vec3) -> Vec3 {
+    /// Within the scene it comes from steeply above, where roofs and walls let it in most often.
+    pub fn over_the_shoulder(&self, world_up: Vec3, scene: &Aabb) -> Vec3 {
+        let within = scene.contains(&Aabb::new(self.eye, self.eye));
+        let rise = if within { 3.2 } else { 0.9 };
         let left_and_back = (-self.right) * 0.55 - self.forward * 0.65;
         // The part along the world's up is replaced, so that a camera that looks up does not move the sun below.
         let level = left_and_back - world_up * left_and_back.dot(world_up);
-        (level + world_up * 0.9).normalized()
+        (level + world_up * rise).normalized()
     }
 }
 

@@ -11,6 +11,10 @@
 //!
 //! *Source.* Whitted 1980, *An Improved Illumination Model for Shaded Display*.
 #![forbid(unsafe_code)]
+#![allow(
+    clippy::neg_cmp_op_on_partial_ord,
+    reason = "`!(x > 0.0)` refuses NaN along with what is too small, which `x <= 0.0` does not"
+)]
 
 pub mod camera;
 mod colour;
@@ -27,3 +31,8 @@ pub use error::RenderError;
 pub use film::{Film, Pixel, PngOptions};
 pub use render::{Options, Renderer, Setup};
 pub use views::{UnknownView, View};
+
+/// The README's example compiles.
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+struct Readme;

@@ -1,6 +1,7 @@
 //! The renderer: a scene made ready once, and pictures of it.
 
 use crate::camera::Lens;
+use crate::colour::luminance;
 use crate::film::{Film, Pixel};
 use crate::sample::{Samples, tent};
 use crate::shade::light::Lamp;
@@ -15,7 +16,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How a scene is made ready.
 #[derive(Clone, Debug, Default)]
-#[non_exhaustive]
 pub struct Setup {
     /// Over which structure rays are traced. The picture does not depend on it, only its cost.
     pub structure: StructureKind,
@@ -26,7 +26,6 @@ pub struct Setup {
 
 /// What a picture should be.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
 pub struct Options {
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -123,13 +122,16 @@ impl Renderer {
     ) -> Film {
         let size = options.sound_size();
         let lens = Lens::new(camera, size);
-        let shot = Shot {
+        let mut shot = Shot {
             world: &self.world,
             tracer: self.tracer(&lens, options),
             lens,
             spp: options.spp.max(1),
             view: options.view,
         };
+        if self.world.key_light.is_some() && options.view == View::Shaded {
+            shot.tracer.exposure *= shot.brightening(size);
+        }
         let [columns, rows] = size.map(|n| n.div_ceil(TILE));
         let count = (columns * rows) as usize;
         let done = AtomicUsize::new(0);
@@ -157,13 +159,17 @@ impl Renderer {
     }
 
     fn tracer(&self, lens: &Lens, options: &Options) -> Tracer<'_> {
-        let key = self
-            .world
-            .key_light
-            .map(|irradiance| Lamp::sun(lens.over_the_shoulder(self.world.up), irradiance, 0.05));
+        let key = self.world.key_light.map(|irradiance| {
+            Lamp::sun(
+                lens.over_the_shoulder(self.world.up, &self.world.structure.bounds()),
+                irradiance,
+                0.05,
+            )
+        });
         Tracer {
             world: &self.world,
             key,
+            exposure: self.world.exposure,
             depth: options.sound_depth(),
             soft: options.soft_rays.min(4096).div_ceil(options.spp.max(1)),
             visible_lamps: self
@@ -204,7 +210,41 @@ struct Shot<'a> {
     view: View,
 }
 
+/// The brightness that a picture without lights of its own should have at least, and how far it is helped to it.
+const DIM: f32 = 0.2;
+const MOST_HELP: f32 = 4.0;
+/// Rays along the sides of the grid that brightness is measured with.
+const METER: [u32; 2] = [32, 18];
+
 impl Shot<'_> {
+    /// How much brighter a picture must be made that the sky and the key light leave dark, as they do indoors: a grid of
+    /// rays measures the mean brightness of surfaces before the first tile. At least 1.
+    fn brightening(&self, [width, height]: [u32; 2]) -> f32 {
+        let mut bright = 0.0;
+        let mut count = 0.0;
+        for i in 0..METER[0] * METER[1] {
+            let [x, y] = [i % METER[0], i / METER[0]];
+            let place = |n: u32, of: u32, side: u32| (n as f32 + 0.5) / of as f32 * side as f32;
+            let ray = self
+                .lens
+                .ray(place(x, METER[0], width), place(y, METER[1], height));
+            let samples = Samples::new([x, y], 0);
+            let seen = self
+                .tracer
+                .trace(ray, Branch::root(self.lens.footprint()), &samples);
+            let light = luminance(seen.radiance - seen.background);
+            if light.is_finite() && seen.unlit == 0.0 {
+                bright += light.min(1.0);
+                count += seen.coverage;
+            }
+        }
+        if bright > 0.0 {
+            (DIM * count / bright).clamp(1.0, MOST_HELP)
+        } else {
+            1.0
+        }
+    }
+
     fn pixel(&self, at: [u32; 2]) -> Pixel {
         let mut pixel = self.middle(at);
         let mut sum = Seen::default();
@@ -222,7 +262,7 @@ impl Shot<'_> {
             });
         }
         let share = 1.0 / self.spp as f32;
-        let light = self.world.exposure * share;
+        let light = self.tracer.exposure * share;
         pixel.radiance = (sum.radiance * light).to_array();
         pixel.background = (sum.background * light).to_array();
         pixel.albedo = (sum.albedo * share).to_array();

@@ -3,7 +3,8 @@
 use crate::RenderError;
 use crate::environment::Environment;
 use crate::render::Setup;
-use crate::shade::light::{Emitters, Lamp};
+use crate::shade::emitters::Emitters;
+use crate::shade::light::Lamp;
 use crate::shade::material::{self, Prepared, Textures};
 use crate::shade::texture::{Encoding, Texture};
 use boxwood::{Aabb, Affine, Intersect, TriangleMesh, Vec3};
@@ -222,11 +223,11 @@ impl World {
 /// Edges sharper than this (40 degrees) stay edges where smooth normals are made.
 const CREASE: f32 = 0.698;
 /// Brightness of the sky with the key light, around a sun of the scene, and beside other lights.
-const DAY: f32 = 0.85;
+const DAY: f32 = 0.6;
 const SUNNY: f32 = 0.65;
 const DUSK: f32 = 0.22;
 /// Irradiance of the key light: a low, warm sun.
-const KEY: Vec3 = Vec3::new(2.25, 2.1, 1.85);
+const KEY: Vec3 = Vec3::new(2.2, 2.02, 1.8);
 
 /// Files speak of lights in units of their own: candela, lux, watts, or nothing at all. Where the scene's point, spot and
 /// directional lights together would shine on the middle of the scene with an irradiance outside 0.8 to 12 (a white

@@ -14,10 +14,12 @@ fn render(view: View) -> Vec<u8> {
     assert!(renderer.warnings().is_empty(), "{:?}", renderer.warnings());
     let eye =
         camera::look_at([0.6, 2.0, 5.0], [0.0, 0.7, 0.0], [0.0, 1.0, 0.0], 0.7).expect("a camera");
-    let mut options = Options::default();
-    options.size = [96, 54];
-    options.spp = 4;
-    options.view = view;
+    let options = Options {
+        size: [96, 54],
+        spp: 4,
+        view,
+        ..Options::default()
+    };
     let film = renderer.render(&eye, &options, &|_, _| ());
     let options = PngOptions {
         view,

@@ -5,15 +5,16 @@ mod scenes;
 use boxwood::StructureKind;
 use boxwood_render::{Film, Options, PngOptions, Renderer, Setup, View, camera};
 use boxwood_scene::{Alpha, Camera, Light, LightKind, Material, Mesh, Scene};
-use scenes::{add, ball, cuboid, place, quad};
+use scenes::{add, ball, place, quad};
 
 const UP: [f32; 3] = [0.0, 1.0, 0.0];
 
 fn options(size: [u32; 2], spp: u32) -> Options {
-    let mut options = Options::default();
-    options.size = size;
-    options.spp = spp;
-    options
+    Options {
+        size,
+        spp,
+        ..Options::default()
+    }
 }
 
 fn picture(scene: &Scene, camera: &Camera, options: &Options) -> Film {
@@ -45,6 +46,38 @@ fn light(kind: LightKind) -> Light {
     }
 }
 
+/// A box whose faces look outwards.
+fn cuboid(lower: [f32; 3], upper: [f32; 3], material: u32) -> Mesh {
+    let corner = |i: usize| {
+        std::array::from_fn(|axis| {
+            if i >> axis & 1 == 0 {
+                lower[axis]
+            } else {
+                upper[axis]
+            }
+        })
+    };
+    Mesh {
+        positions: (0..8).map(corner).collect(),
+        triangles: vec![
+            [0, 2, 1],
+            [1, 2, 3],
+            [4, 5, 6],
+            [5, 7, 6],
+            [0, 1, 4],
+            [1, 5, 4],
+            [2, 6, 3],
+            [3, 6, 7],
+            [0, 4, 2],
+            [2, 4, 6],
+            [1, 3, 5],
+            [3, 7, 5],
+        ],
+        material,
+        ..Mesh::default()
+    }
+}
+
 #[test]
 fn threads_and_structures_change_no_bit() {
     let scene = scenes::still_life();
@@ -55,8 +88,10 @@ fn threads_and_structures_change_no_bit() {
         StructureKind::default(),
         "bvh:median".parse().expect("a structure"),
     ] {
-        let mut setup = Setup::default();
-        setup.structure = structure;
+        let setup = Setup {
+            structure,
+            ..Setup::default()
+        };
         let renderer = Renderer::new(&scene, &setup).expect("a good scene");
         for threads in [1, 2, 4] {
             let pool = rayon::ThreadPoolBuilder::new()

@@ -120,9 +120,7 @@ mod tests {
     fn images_face_the_right_way() {
         let (width, height) = (64, 32);
         let mut pixels = vec![[0.1, 0.1, 0.1]; width * height];
-        for x in 0..width {
-            pixels[x] = [0.0, 9.0, 0.0];
-        }
+        pixels[..width].fill([0.0, 9.0, 0.0]);
         let equator = 16 * width;
         for row in [equator - width, equator] {
             pixels[row + 31] = [5.0, 0.0, 0.0];

@@ -4,7 +4,7 @@ use crate::colour::{mix, smoothstep};
 use boxwood::Vec3;
 
 const HORIZON: Vec3 = Vec3::new(0.80, 0.88, 0.97);
-const ZENITH: Vec3 = Vec3::new(0.22, 0.40, 0.78);
+const ZENITH: Vec3 = Vec3::new(0.27, 0.43, 0.74);
 const GROUND_FAR: Vec3 = Vec3::new(0.56, 0.54, 0.51);
 const GROUND_NEAR: Vec3 = Vec3::new(0.24, 0.225, 0.21);
 

@@ -2,18 +2,14 @@
 //!
 //! *How it works.* A lamp with a size is aimed at by well spread points; their mean is a soft shadow. A sphere is sampled by
 //! the cone that it fills (nothing is wasted on its far side), a rectangle and triangles by area. Triangles of glowing
-//! materials are one lamp together, chosen by power. *Source.* Shirley, Wang & Zimmerman 1996, *Monte Carlo Techniques
+//! materials are another matter ([`super::emitters`]). *Source.* Shirley, Wang & Zimmerman 1996, *Monte Carlo Techniques
 //! for Direct Lighting Calculations*.
 
+use super::direction::in_cone;
 use crate::colour::luminance;
-use crate::world::World;
 use boxwood::{Ray, Vec3};
 use boxwood_scene::LightKind;
 use std::f32::consts::{PI, TAU};
-
-/// With more glowing triangles than this, a scene's glow is seen but does not light: the choice by power alone would be
-/// too noisy to be worth its rays.
-const MOST_EMITTERS: usize = 50_000;
 
 /// One aim at a lamp.
 pub(crate) struct Aim {
@@ -314,7 +310,7 @@ impl Lamp {
     }
 }
 
-fn towards(from: Vec3, to: Vec3) -> Option<(Vec3, f32)> {
+pub(crate) fn towards(from: Vec3, to: Vec3) -> Option<(Vec3, f32)> {
     let way = to - from;
     let distance = way.length();
     (distance > 0.0 && distance.is_finite()).then(|| (way.normalized(), distance))
@@ -328,128 +324,8 @@ fn falloff(distance: f32, range: f32) -> f32 {
 }
 
 /// The solid angle of a small area, at most the half sphere: nearness must not make fireflies.
-fn solid_angle(area: f32, cos: f32, distance: f32) -> f32 {
+pub(crate) fn solid_angle(area: f32, cos: f32, distance: f32) -> f32 {
     (area * cos / (distance * distance)).min(TAU)
-}
-
-/// A direction in the cone around `axis` whose cosine at the edge is `1 − gap`.
-fn in_cone(axis: Vec3, gap: f32, [u, v]: [f32; 2]) -> Vec3 {
-    let below = u * gap;
-    let cos = 1.0 - below;
-    let sin = (below * (2.0 - below)).max(0.0).sqrt();
-    let (x, y) = across(axis);
-    let around = TAU * v;
-    (x * (sin * libm::cosf(around)) + y * (sin * libm::sinf(around)) + axis * cos).normalized()
-}
-
-/// A direction around a normal, as often as its cosine is large.
-pub(crate) fn around_normal(normal: Vec3, [u, v]: [f32; 2]) -> Vec3 {
-    let (x, y) = across(normal);
-    let (r, around) = (u.sqrt(), TAU * v);
-    (x * (r * libm::cosf(around))
-        + y * (r * libm::sinf(around))
-        + normal * (1.0 - u).max(0.0).sqrt())
-    .normalized()
-}
-
-/// Two unit vectors at right angles to a unit vector and to each other (Duff et al. 2017).
-fn across(n: Vec3) -> (Vec3, Vec3) {
-    let sign = 1.0_f32.copysign(n.z);
-    let a = -1.0 / (sign + n.z);
-    let b = n.x * n.y * a;
-    (
-        Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
-        Vec3::new(b, sign + n.y * n.y * a, -n.y),
-    )
-}
-
-/// The triangles of glowing materials.
-#[derive(Default)]
-pub(crate) struct Emitters {
-    triangles: Vec<u32>,
-    /// Sums of power up to and with each triangle, the last one 1.
-    shares: Vec<f32>,
-    /// Areas.
-    areas: Vec<f32>,
-}
-
-impl Emitters {
-    /// Looks for them.
-    pub fn find(world: &World) -> Self {
-        let brightness: Vec<f32> = world
-            .materials
-            .iter()
-            .map(|m| {
-                if !m.shines() {
-                    return 0.0;
-                }
-                let mean = m
-                    .emissive_map
-                    .as_ref()
-                    .map_or([1.0; 4], |map| world.textures.mean(map));
-                luminance(Vec3::from(m.plain.emissive) * Vec3::new(mean[0], mean[1], mean[2]))
-            })
-            .collect();
-        let mut found = Self::default();
-        if brightness.iter().all(|&b| !(b > 0.0)) {
-            return found;
-        }
-        let mut sum = 0.0_f64;
-        let mut sums = Vec::new();
-        for i in 0..world.mesh.triangles().len() as u32 {
-            let mesh = &world.meshes[world.flat.locate(i).mesh as usize];
-            let [a, b, c] = world.mesh.triangle(i as usize);
-            let area = 0.5 * (b - a).cross(c - a).length();
-            let power = f64::from(area) * f64::from(brightness[mesh.material]);
-            if !(power > 0.0 && power.is_finite()) {
-                continue;
-            }
-            if found.triangles.len() == MOST_EMITTERS {
-                return Self::default();
-            }
-            sum += power;
-            sums.push(sum);
-            found.triangles.push(i);
-            found.areas.push(area);
-        }
-        found.shares = sums.into_iter().map(|s| (s / sum) as f32).collect();
-        found
-    }
-
-    /// Whether nothing glows (or too many triangles do).
-    pub fn is_empty(&self) -> bool {
-        self.triangles.is_empty()
-    }
-
-    /// Aims at a triangle chosen by power.
-    pub fn aim(&self, world: &World, from: Vec3, [u, v]: [f32; 2]) -> Option<Aim> {
-        let i = self
-            .shares
-            .partition_point(|&share| share <= u)
-            .min(self.shares.len() - 1);
-        let before = if i == 0 { 0.0 } else { self.shares[i - 1] };
-        let share = self.shares[i] - before;
-        if !(share > 0.0) {
-            return None;
-        }
-        // The rest of the first number serves again, inside the triangle.
-        let root = ((u - before) / share).clamp(0.0, 1.0).sqrt();
-        let weights = [root * (1.0 - v), root * v];
-        let primitive = self.triangles[i];
-        let [a, b, c] = world.mesh.triangle(primitive as usize);
-        let place = a * (1.0 - weights[0] - weights[1]) + b * weights[0] + c * weights[1];
-        let (direction, distance) = towards(from, place)?;
-        let surface = world.surface_of(primitive, weights, direction);
-        let cos = surface.normal.dot(direction).abs();
-        let light =
-            world.glow(primitive, weights) * (solid_angle(self.areas[i], cos, distance) / share);
-        Some(Aim {
-            direction,
-            end: Some(surface.offset_origin(-direction)),
-            light,
-            triangle: Some(primitive),
-        })
-    }
 }
 
 #[cfg(test)]
@@ -539,17 +415,5 @@ mod tests {
             irradiance: [1.0; 3],
         };
         assert!(Lamp::new(&still).is_none());
-    }
-
-    #[test]
-    fn directions_around_a_normal_follow_the_cosine() {
-        let normal = Vec3::new(0.36, -0.48, 0.8);
-        let n = 32;
-        let mean = (0..n * n)
-            .map(|i| [(i % n) as f32 + 0.5, (i / n) as f32 + 0.5].map(|x| x / n as f32))
-            .map(|sample| around_normal(normal, sample).dot(normal))
-            .sum::<f32>()
-            / (n * n) as f32;
-        assert!((mean - 2.0 / 3.0).abs() < 0.01, "{mean}");
     }
 }

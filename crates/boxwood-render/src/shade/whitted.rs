@@ -10,9 +10,10 @@
 //! *Source.* Whitted 1980, *An Improved Illumination Model for Shaded Display*; Chiang, Li & Burley 2019, *Taming the
 //! Shadow Terminator*.
 
+use super::direction::around_normal;
 use super::fresnel;
 use super::gloss;
-use super::light::{Aim, Lamp, around_normal};
+use super::light::{Aim, Lamp};
 use super::material::attenuate;
 use super::point::Point;
 use crate::colour::{WHITE, smoothstep};
@@ -37,6 +38,8 @@ pub(crate) struct Tracer<'a> {
     pub world: &'a World,
     /// The light over the viewer's shoulder, where the scene has none.
     pub key: Option<Lamp>,
+    /// What radiance is multiplied by in the end; unlit surfaces are held against it.
+    pub exposure: f32,
     /// How many mirrored or refracted rays may follow each other.
     pub depth: u32,
     /// Rays per soft lamp, and for ambient occlusion, at what the camera sees directly; 0 makes shadows hard and leaves
@@ -128,7 +131,7 @@ impl Tracer<'_> {
             };
             let mut radiance = if point.material.plain.unlit {
                 seen.unlit += share;
-                point.base * (1.0 / self.world.exposure)
+                point.base * (1.0 / self.exposure)
             } else {
                 let here = Branch {
                     weight: branch.weight * share,

@@ -31,38 +31,6 @@ pub fn quad(corner: [f32; 3], u: [f32; 3], v: [f32; 3], material: u32) -> Mesh {
     }
 }
 
-/// A box whose faces look outwards.
-pub fn cuboid(lower: [f32; 3], upper: [f32; 3], material: u32) -> Mesh {
-    let corner = |i: usize| {
-        std::array::from_fn(|axis| {
-            if i >> axis & 1 == 0 {
-                lower[axis]
-            } else {
-                upper[axis]
-            }
-        })
-    };
-    Mesh {
-        positions: (0..8).map(corner).collect(),
-        triangles: vec![
-            [0, 2, 1],
-            [1, 2, 3],
-            [4, 5, 6],
-            [5, 7, 6],
-            [0, 1, 4],
-            [1, 5, 4],
-            [2, 6, 3],
-            [3, 6, 7],
-            [0, 4, 2],
-            [2, 4, 6],
-            [1, 3, 5],
-            [3, 7, 5],
-        ],
-        material,
-        ..Mesh::default()
-    }
-}
-
 /// A ball of flat triangles with the normals of a round one.
 pub fn ball(center: [f32; 3], radius: f32, material: u32) -> Mesh {
     let (rows, columns) = (12_u32, 24_u32);
