@@ -49,8 +49,9 @@ impl Destination {
         }
     }
 
-    /// Fails when writing would fail, as far as one can know beforehand. Touches no existing file.
-    pub fn check(&self) -> Outcome {
+    /// Fails when writing would fail, as far as one can know beforehand, or would replace one of the `inputs`. Touches no
+    /// existing file.
+    pub fn check<'a>(&self, inputs: impl IntoIterator<Item = &'a Path>) -> Outcome {
         let path = match self {
             Self::Stdout if io::stdout().is_terminal() => {
                 return Err(Failure::new(
@@ -61,6 +62,15 @@ impl Destination {
             Self::File(path) => path,
         };
         let target = Target::of(path)?;
+        if target.existing.is_some() {
+            let replaced = |input: &Path| fs::canonicalize(input).is_ok_and(|i| i == target.path);
+            if inputs.into_iter().any(replaced) {
+                return Err(Failure::file(
+                    path,
+                    "cannot be written: it is what is to be read",
+                ));
+            }
+        }
         if let Some(folder) = target.folder() {
             stop_cleanly()?;
             drop(Temporary::new(folder).map_err(|e| Failure::file(path, cannot(folder, &e)))?);

@@ -6,7 +6,7 @@ use crate::output::Destination;
 use crate::progress::Progress;
 use crate::scene_file::{self, SceneFile};
 use crate::terminal::{self, counted, seconds};
-use boxwood_render::{Film, Options, Pixel, PngOptions, Renderer, Setup, camera};
+use boxwood_render::{Film, Options, Pixel, PngOptions, RenderError, Renderer, Setup, camera};
 use boxwood_scene::{Camera, Image};
 use serde::Serialize;
 use std::fs;
@@ -57,7 +57,8 @@ pub fn run(args: &RenderArgs) -> Outcome {
     };
     let destination = Destination::new(&output);
     let encoding = encoding(&destination, args)?;
-    destination.check()?;
+    let inputs = [Some(args.scene.as_path()), args.environment.as_deref()];
+    destination.check(inputs.into_iter().flatten())?;
     let environment = args.environment.as_deref().map(environment).transpose()?;
     args.tracing
         .in_pool(|threads| picture(args, &destination, encoding, environment, threads))
@@ -81,8 +82,10 @@ fn picture(
     let start = Instant::now();
     let renderer = {
         let _progress = Progress::spinner(format!("Building {}", args.tracing.accel));
-        Renderer::new(&file.scene, &setup)
-            .map_err(|e| Failure::new(format!("{}: {e}", file.name)))?
+        Renderer::new(&file.scene, &setup).map_err(|error| match error {
+            RenderError::Mesh(_) => Failure::new(format!("{}: {error}", file.name)),
+            _ => Failure::from(error),
+        })?
     };
     let build_seconds = start.elapsed().as_secs_f64();
     warnings.extend_from_slice(renderer.warnings());
@@ -224,7 +227,7 @@ fn encode(film: &Film, encoding: Encoding, args: &RenderArgs) -> Outcome<Vec<u8>
     })
 }
 
-/// Reads an environment image; its pixels are decoded too, so that a broken one is found before anything is built.
+/// Reads an environment image and its header; the renderer decodes its pixels.
 fn environment(path: &Path) -> Outcome<Image> {
     let bytes =
         fs::read(path).map_err(|e| Failure::file(path, format_args!("cannot be read: {e}")))?;

@@ -20,7 +20,7 @@ pub fn man(args: &ManArgs) -> Outcome {
     let mut command = Cli::command();
     command.build();
     let Some(folder) = &args.dir else {
-        return terminal::pour(&page(command)?);
+        return terminal::pour(page(command)?.as_bytes());
     };
     fs::create_dir_all(folder)
         .map_err(|e| Failure::file(folder, format_args!("cannot be made: {e}")))?;
@@ -35,7 +35,7 @@ pub fn man(args: &ManArgs) -> Outcome {
             .get_display_name()
             .unwrap_or(command.get_name())
             .to_string();
-        Destination::File(folder.join(format!("{name}.1"))).write(&page(command)?)?;
+        Destination::File(folder.join(format!("{name}.1"))).write(page(command)?.as_bytes())?;
         pages += 1;
     }
     Channel::Stdout.say(format_args!(
@@ -45,8 +45,16 @@ pub fn man(args: &ManArgs) -> Outcome {
     ))
 }
 
-fn page(command: clap::Command) -> Outcome<Vec<u8>> {
+fn page(command: clap::Command) -> Outcome<String> {
     let mut page = Vec::new();
     Man::new(command).render(&mut page)?;
-    Ok(page)
+    let page = String::from_utf8(page)?;
+    // The tables and examples under the help keep their lines.
+    Ok(match page.split_once(".SH EXTRA\n") {
+        None => page,
+        Some((before, extra)) => {
+            let (extra, after) = extra.split_at(extra.find(".SH ").unwrap_or(extra.len()));
+            format!("{before}.SH NOTES\n.nf\n{extra}.fi\n{after}")
+        }
+    })
 }

@@ -32,7 +32,7 @@ struct Report {
 pub fn run(args: &CastArgs) -> Outcome {
     let output = args.output.as_deref().map(Destination::new);
     if let Some(output) = &output {
-        output.check()?;
+        output.check([args.scene.as_path(), &args.rays])?;
     }
     let channel = output.as_ref().map_or(Channel::Stdout, Destination::report);
     let rays = rays::read(&args.rays)?;

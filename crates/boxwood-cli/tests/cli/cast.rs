@@ -282,6 +282,14 @@ fn errors_name_the_file_and_what_was_expected() {
         ),
         ("--rays layers.obj", "layers.obj: is not a NumPy .npy file"),
         (
+            "--rays rays.npy -o ./rays.npy",
+            "./rays.npy: cannot be written: it is what is to be read",
+        ),
+        (
+            "--rays rays.npy -o layers.obj",
+            "layers.obj: cannot be written: it is what is to be read",
+        ),
+        (
             "--rays rays.npy -o absent/hits.npz",
             "absent/hits.npz: cannot be written: there is no folder absent",
         ),

@@ -133,6 +133,11 @@ fn a_pipe_gets_the_picture_and_stderr_the_report() {
 fn what_cannot_work_fails_before_the_work() {
     let bench = bench();
     bench.write("mine.png", "mine");
+    // The header of an image of 2 x 1 pixels without any of them.
+    let head = *b"BM\x36\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\x02\0\0\0\x01\0\0\0\x01\0\x18";
+    let mut sky = head.to_vec();
+    sky.resize(54, 0);
+    bench.write("sky.png", sky);
     fs::create_dir(bench.path("folder.png")).expect("a folder");
     for (words, sentence) in [
         (
@@ -160,6 +165,14 @@ fn what_cannot_work_fails_before_the_work() {
             "a.exr: an EXR always has an alpha channel; --transparent is for PNG",
         ),
         (
+            "layers.obj --environment sky.png -o a.png",
+            "the environment cannot be read: sky.png",
+        ),
+        (
+            "layers.obj --environment sky.png -o sky.png",
+            "sky.png: cannot be written: it is what is to be read",
+        ),
+        (
             "layers.obj --environment sky.hdr",
             "sky.hdr: cannot be read: ",
         ),
@@ -183,7 +196,10 @@ fn what_cannot_work_fails_before_the_work() {
         assert!(error.starts_with(sentence), "{error}");
     }
     assert_eq!(bench.read("mine.png"), b"mine");
-    assert_eq!(bench.files(), ["folder.png", "layers.obj", "mine.png"]);
+    assert_eq!(
+        bench.files(),
+        ["folder.png", "layers.obj", "mine.png", "sky.png"]
+    );
 }
 
 #[test]

@@ -60,6 +60,11 @@ fn manual_pages() {
             "{page}"
         );
     }
+    let page = String::from_utf8(bench.read("pages/boxwood-cast.1")).expect("text");
+    assert!(
+        page.contains(".SH NOTES\n.nf\n") && page.contains("\n.fi\n"),
+        "{page}"
+    );
     bench.write("file", "");
     assert!(
         bench
