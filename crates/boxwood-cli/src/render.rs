@@ -76,9 +76,10 @@ fn picture(
     let (camera, camera_name) = choose_camera(&args.camera, &file, args.size.0)?;
     let mut warnings = file.scene.warnings.clone();
 
-    let mut setup = Setup::default();
-    setup.structure = args.tracing.accel;
-    setup.environment = environment;
+    let setup = Setup {
+        structure: args.tracing.accel,
+        environment,
+    };
     let start = Instant::now();
     let renderer = {
         let _progress = Progress::spinner(format!("Building {}", args.tracing.accel));
@@ -100,11 +101,13 @@ fn picture(
             terminal::bytes(memory)
         ));
     }
-    let mut options = Options::default();
-    options.size = args.size.0;
-    options.spp = args.spp;
-    options.depth = args.depth;
-    options.view = args.view;
+    let options = Options {
+        size: args.size.0,
+        spp: args.spp,
+        depth: args.depth,
+        view: args.view,
+        ..Options::default()
+    };
     options.check()?;
     let start = Instant::now();
     let film = {

@@ -97,11 +97,15 @@ impl Aabb {
     /// The slab test (Kay & Kajiya 1986): the part of the ray's interval `[t_min, t_max]` that lies in the box, as
     /// `(enter, leave)`; `None` when there is none.
     ///
-    /// A ray that runs in a side of the box is inside that slab. An empty box, and a NaN in ray or box, is a miss.
+    /// A ray that runs in a side of the box is inside that slab. An empty box, a NaN in ray or box, and a ray that misses
+    /// everything (see [`Ray`]) are a miss.
     /// The two numbers are rounded like any float; structures use a conservative form of their own.
     pub fn intersect(&self, ray: &Ray) -> Option<(f32, f32)> {
-        let nan = |v: Vec3| v.x.is_nan() || v.y.is_nan() || v.z.is_nan();
-        if self.is_empty() || nan(ray.origin) || nan(ray.direction) || !(ray.t_min <= ray.t_max) {
+        let hopeless = !ray.origin.is_finite()
+            || !ray.direction.is_finite()
+            || ray.direction.abs().max_element() == 0.0
+            || !(ray.t_min <= ray.t_max);
+        if hopeless || self.is_empty() {
             return None;
         }
         let (mut enter, mut leave) = (ray.t_min.max(0.0), ray.t_max.min(f32::MAX));
@@ -119,7 +123,6 @@ impl Aabb {
             } else {
                 (lower, upper)
             };
-            // An infinite side less an infinite origin says nothing, and `max` and `min` pass it over.
             enter = enter.max((near - o) / d);
             leave = leave.min((far - o) / d);
         }
@@ -208,6 +211,8 @@ mod tests {
                 None
             );
         }
+        assert_eq!(meet(&UNIT, [0.5; 3], [0.0, -0.0, 0.0]), None);
+        assert_eq!(meet(&UNIT, [0.5; 3], [f32::INFINITY, 1.0, 0.0]), None);
         let ray = Ray::new([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0]);
         assert_eq!(UNIT.intersect(&ray.until(nan)), None);
         assert_eq!(UNIT.intersect(&ray.from(nan)), None);

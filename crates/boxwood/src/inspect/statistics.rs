@@ -51,7 +51,11 @@ impl Statistics {
         // In double precision: millions of small areas are added up, and squares of 1e30 and 1e-30 are numbers.
         let mut cost = 0.0;
         let mut open = alloc::vec![(0, 0)];
-        while let Some((index, depth)) = open.pop() {
+        // A tree has each node once; one from elsewhere may run in circles.
+        for _ in 0..tree.nodes.len() {
+            let Some((index, depth)) = open.pop() else {
+                break;
+            };
             let Some(node) = tree.nodes.get(index) else {
                 continue;
             };

@@ -61,11 +61,10 @@ impl<P: Primitives> Traverse for Bvh<P> {
             return;
         };
         let nodes = &self.tree.nodes[..];
-        let enters = |node: usize, t_max: f32| ray.enters(&nodes[node].bounds, t_max);
         let mut stack = [(0_u32, 0.0_f32); MAX_DEPTH];
         let mut pending = 0;
         let mut current = 0;
-        if nodes.is_empty() || enters(0, query.t_max()).is_none() {
+        if nodes.is_empty() || ray.enters(&nodes[0].bounds, query.t_max()).is_none() {
             return;
         }
         loop {
@@ -84,7 +83,9 @@ impl<P: Primitives> Traverse for Bvh<P> {
                 counters.node();
                 let [a, b] = node.children();
                 let t_max = query.t_max();
-                next = match (enters(a, t_max), enters(b, t_max)) {
+                let to_a = ray.enters(&nodes[a].bounds, t_max);
+                let to_b = ray.enters(&nodes[b].bounds, t_max);
+                next = match (to_a, to_b) {
                     (None, None) => None,
                     (Some(_), None) => Some(a),
                     (None, Some(_)) => Some(b),
