@@ -34,3 +34,8 @@ pub fn effort(rays: usize) -> usize {
     };
     rays * times
 }
+
+/// The example in the project's README compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+pub struct Readme;
