@@ -47,7 +47,11 @@ impl Scene {
     /// Lays every placement out in world space. Takes 12 bytes per placed vertex and triangle.
     ///
     /// # Errors
-    /// [`MeshError`] when a placement moves a vertex beyond the floats, or there are more than 2³² − 2 triangles.
+    /// [`MeshError`] when a placement moves a vertex beyond the floats, or when there are more triangles than can be
+    /// numbered or than there is memory for.
+    ///
+    /// # Panics
+    /// When an instance names a mesh that does not exist, which no loader does.
     pub fn flatten(&self) -> Result<FlatScene, MeshError> {
         let mut unique = 0_u32;
         let firsts: Vec<u32> = self
@@ -88,8 +92,18 @@ impl Scene {
         if count.max(vertices) >= u64::from(u32::MAX) {
             return Err(too_many);
         }
-        let mut positions = Vec::with_capacity(vertices as usize);
-        let mut triangles = Vec::with_capacity(count as usize);
+        // Few bytes of a file can place many triangles many times.
+        let no_room = |_| MeshError::NoMemory {
+            triangles: count as usize,
+        };
+        let mut positions = Vec::new();
+        let mut triangles = Vec::new();
+        positions
+            .try_reserve_exact(vertices as usize)
+            .map_err(no_room)?;
+        triangles
+            .try_reserve_exact(count as usize)
+            .map_err(no_room)?;
         for part in &mut parts {
             let mesh = &self.meshes[part.mesh as usize];
             let transform = self.instances[part.placement as usize].transform;

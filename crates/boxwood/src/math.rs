@@ -27,3 +27,8 @@ pub fn turn(y: f64, x: f64) -> f32 {
     let turns = libm::atan2f(y as f32, x as f32) * (0.5 * core::f32::consts::FRAC_1_PI);
     if turns < 0.0 { turns + 1.0 } else { turns }
 }
+
+/// The power of two, among those that floats hold, that brings `x` nearest to the interval from 1 to 2.
+pub fn power_to_one(x: f32) -> f32 {
+    libm::scalbnf(1.0, -libm::ilogbf(x).clamp(-127, 127))
+}

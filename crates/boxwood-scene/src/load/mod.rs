@@ -56,7 +56,7 @@ pub trait Files {
     fn read(&self, name: &str) -> io::Result<Vec<u8>>;
 }
 
-/// Files below a folder.
+/// Files named relative to a folder. A scene may name them by `..` too, as real ones do.
 #[derive(Clone, Debug)]
 pub struct Folder(pub PathBuf);
 

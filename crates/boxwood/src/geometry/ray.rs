@@ -1,6 +1,7 @@
 //! Rays, and rays made ready to meet boxes and triangles.
 
 use super::{Aabb, Vec3};
+use crate::math;
 use core::ops::Deref;
 
 /// A half line with a closed interval `[t_min, t_max]`; 32 bytes. The direction may have any length; `t` counts in it.
@@ -65,10 +66,9 @@ impl Ray {
 
 /// `u`: half the distance from 1 to the next float, the bound of one rounding.
 const U: f32 = 1.0 / (1 << 24) as f32;
-/// 2⁻⁴⁰, 2⁻²⁰ and 2⁴⁰: between them no product of the triangle test leaves the normal floats.
-const TINY_DIRECTION: f32 = 1.0 / (1_u64 << 40) as f32;
+/// 2⁻²⁰ and 2²⁸: between them no operation of the triangle test leaves the normal floats.
 const TINY_SCENE: f32 = 1.0 / (1_u64 << 20) as f32;
-const HUGE: f32 = (1_u64 << 40) as f32;
+const HUGE: f32 = (1_u64 << 28) as f32;
 
 /// A ray with all that box and triangle tests need. Read the ray's own fields through it; `t_min` and `t_max` are
 /// already in order there.
@@ -79,8 +79,9 @@ const HUGE: f32 = (1_u64 << 40) as f32;
 /// side, and no structure can lose a hit that the judge finds. Coordinates of the direction that are nearly zero are
 /// raised to `u` times the largest, which keeps the reciprocals finite and moves the ray by less than the slack.
 ///
-/// *Doors.* That proof holds for scenes of size 2⁻²⁰ to 2⁴⁰ and directions of length 2⁻⁴⁰ to 2⁴⁰. Outside, the ray is
-/// not [`tame`](PreparedRay::is_tame): boxes are met in double precision, and a hit must then lie in its own padded box.
+/// *Doors.* That proof holds for scenes of size 2⁻²⁰ to 2²⁸ and directions of length 2⁻²⁸ to 2²⁸. Outside, the ray is
+/// not [`tame`](PreparedRay::is_tame): direction and triangles are scaled by powers of two to sizes near 1, boxes are met
+/// in double precision, and a hit must then lie in its own padded box.
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedRay {
     ray: Ray,
@@ -91,10 +92,11 @@ pub struct PreparedRay {
     far: Vec3,
     /// The axis of the largest |direction| and the two after it.
     pub(crate) axes: [usize; 3],
-    /// `d[kx] / d[kz]`, `d[ky] / d[kz]` and `1 / d[kz]`.
+    /// `d[kx] / d[kz]`, `d[ky] / d[kz]` and `1 / d[kz]`, for a ray that is not tame those of the scaled direction.
     pub(crate) shear: [f32; 3],
     slack: f64,
-    tame: bool,
+    /// The power of two in the scaled direction; `None` when the ray is tame.
+    scaled: Option<f32>,
 }
 
 impl PreparedRay {
@@ -115,9 +117,15 @@ impl PreparedRay {
         let reach = o.abs().max_element();
         let tame = reach < HUGE
             && (TINY_SCENE < scale && scale < HUGE)
-            && (TINY_DIRECTION < largest && largest < HUGE);
+            && (HUGE.recip() < largest && largest < HUGE);
         let slack = 32.0 * f64::from(U) * (f64::from(scale) + f64::from(reach));
-        let floor = U * largest;
+        let (scaled, d) = if tame {
+            (None, d)
+        } else {
+            let power = math::power_to_one(largest);
+            (Some(power), d * power)
+        };
+        let floor = U * size[kz];
         let raise = |x: f32| {
             if x.abs() < floor {
                 floor.copysign(x)
@@ -140,14 +148,20 @@ impl PreparedRay {
             axes: [kx, ky, kz],
             shear: [d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]],
             slack,
-            tame,
+            scaled,
         })
     }
 
     /// Whether the proof of the slack holds for this ray and scene without further checks.
     #[inline(always)]
     pub fn is_tame(&self) -> bool {
-        self.tame
+        self.scaled.is_none()
+    }
+
+    /// The power of two that the direction behind [`Self::shear`] was multiplied with; `None` when the ray is tame.
+    #[inline(always)]
+    pub(crate) fn scaled(&self) -> Option<f32> {
+        self.scaled
     }
 
     /// Where the ray enters and leaves a box, both erring to the outside by the slack; it is entered where
@@ -157,7 +171,7 @@ impl PreparedRay {
     /// Nothing is promised of an empty box, which a ray may seem to enter.
     #[inline(always)]
     pub fn slabs(&self, b: &Aabb) -> (f32, f32) {
-        if !self.tame {
+        if self.scaled.is_some() {
             return self.slabs_f64(b);
         }
         let (mut enter, mut leave) = (f32::NEG_INFINITY, f32::INFINITY);

@@ -25,6 +25,12 @@ pub enum TreeFlaw {
         /// How many nodes name it.
         parents: usize,
     },
+    /// A node whose child is the root.
+    #[error("node {node} has the root as a child")]
+    Root {
+        /// The node.
+        node: usize,
+    },
     /// A child or a place that does not exist.
     #[error("node {node} names what does not exist")]
     Dangling {
@@ -86,6 +92,13 @@ pub fn validate(tree: &BinaryTree, primitives: &impl Primitives) -> Result<(), T
                     .get_mut(id as usize)
                     .ok_or(TreeFlaw::Dangling { node: index })?;
                 *found += 1;
+                // Before the next leaf is read: leaves that share places would make the work quadratic.
+                if *found > 1 {
+                    return Err(TreeFlaw::Times {
+                        primitive: id as usize,
+                        times: *found as usize,
+                    });
+                }
                 if !node.bounds.contains(&primitives.bounds(id as usize)) {
                     return Err(TreeFlaw::SticksOut { node: index });
                 }
@@ -94,8 +107,11 @@ pub fn validate(tree: &BinaryTree, primitives: &impl Primitives) -> Result<(), T
         }
         for child in node.children() {
             let below = nodes.get(child).ok_or(TreeFlaw::Dangling { node: index })?;
+            if child == 0 {
+                return Err(TreeFlaw::Root { node: index });
+            }
             parents[child] += 1;
-            if parents[child] > 1 || child == 0 {
+            if parents[child] > 1 {
                 return Err(TreeFlaw::Parents {
                     node: child,
                     parents: parents[child] as usize,
@@ -163,7 +179,7 @@ mod tests {
         ));
         assert!(matches!(
             damage(&|t| t.nodes[0].first = 0),
-            TreeFlaw::Parents { .. }
+            TreeFlaw::Root { node: 0 }
         ));
         assert!(matches!(
             damage(&|t| t.nodes[leaf].count += 1),

@@ -47,13 +47,22 @@ pub enum MeshError {
         /// How many numbers.
         length: usize,
     },
-    /// Primitives are numbered with 32 bits, of which the last number means "none".
-    #[error("there are {triangles} triangles, but at most 4294967294 can be numbered")]
+    /// There is not enough memory to lay all placements out.
+    #[error("there is not enough memory for {triangles} triangles")]
+    NoMemory {
+        /// How many.
+        triangles: usize,
+    },
+    /// The nodes of a tree over them are numbered with 32 bits, and there are twice as many.
+    #[error("there are {triangles} triangles, but at most 2147483648 can be numbered")]
     TooMany {
         /// How many.
         triangles: usize,
     },
 }
+
+/// So many that a tree's `2 n − 1` nodes have numbers of 32 bits.
+const MAX_TRIANGLES: usize = 1 << 31;
 
 impl TriangleMesh {
     /// Checks and keeps a mesh. Positions are anything that turns into `[f32; 3]`; indices are `u32`, `u16` or `u8`.
@@ -107,7 +116,7 @@ impl TriangleMesh {
     }
 
     fn check(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
-        if triangles.len() >= u32::MAX as usize {
+        if triangles.len() > MAX_TRIANGLES {
             return Err(MeshError::TooMany {
                 triangles: triangles.len(),
             });

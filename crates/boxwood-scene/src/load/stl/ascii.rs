@@ -46,7 +46,7 @@ struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// What follows `solid`.
     fn solid(&mut self) -> Result<Mesh, SceneError> {
-        let start = self.file.line_of(self.text.at);
+        let start = self.text.at;
         let name = self.name();
         let mut weld = Weld::default();
         let mut triangles = Vec::new();
@@ -62,7 +62,7 @@ impl<'a> Reader<'a> {
                 return Err(self.unexpected(word, at, "`facet` or `endsolid`"));
             }
         }
-        check_count(&self.file, start, triangles.len())?;
+        check_count(&self.file, || self.file.line_of(start), triangles.len())?;
         Ok(mesh_of(name, weld.positions, triangles))
     }
 

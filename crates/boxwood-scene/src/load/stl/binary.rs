@@ -52,7 +52,7 @@ pub fn read(file: File<'_>, warnings: &mut Vec<String>) -> Result<Mesh, SceneErr
             ));
         }
     };
-    check_count(&file, file.byte(COUNT), count)?;
+    check_count(&file, || file.byte(COUNT), count)?;
     let (records, surplus) = bytes.split_at(count * RECORD);
     if !surplus.is_empty() {
         warnings.push(file.warning(

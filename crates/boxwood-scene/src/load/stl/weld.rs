@@ -45,13 +45,17 @@ impl Weld {
 const MOST_TRIANGLES: usize = u32::MAX as usize / 3;
 
 /// Refuses more triangles than indices of 32 bits can tell the vertices of.
-pub fn check_count(file: &File<'_>, place: Place, triangles: usize) -> Result<(), SceneError> {
+pub fn check_count(
+    file: &File<'_>,
+    place: impl FnOnce() -> Place,
+    triangles: usize,
+) -> Result<(), SceneError> {
     if triangles <= MOST_TRIANGLES {
         return Ok(());
     }
     Err(SceneError::Unsupported {
         file: file.name.to_owned(),
-        place,
+        place: place(),
         what: format!("a mesh of {triangles} triangles (more than {MOST_TRIANGLES})"),
     })
 }

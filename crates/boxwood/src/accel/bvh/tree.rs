@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 /// No leaf lies deeper, so a stack of this size always suffices. The root has depth 0.
 pub const MAX_DEPTH: usize = 64;
-/// No leaf holds more primitives, unless it cannot be split any more.
+/// No leaf holds more primitives, whatever a builder is set to.
 pub const MAX_LEAF: usize = 64;
 
 /// A node: an inner one names its two children, which lie side by side; a leaf names a run of [`BinaryTree::order`].
