@@ -124,7 +124,7 @@ const CAMERA: &str = "Camera (by default the scene's first one, or one that show
 #[derive(Args, Debug)]
 pub struct CameraArgs {
     /// One of the scene's own cameras, by name; `boxwood info` lists them
-    #[arg(long, help_heading = CAMERA, value_name = "NAME", conflicts_with_all = ["eye", "look_at", "up", "fov"])]
+    #[arg(long, help_heading = CAMERA, value_name = "NAME", conflicts_with_all = ["eye", "look_at", "up"])]
     pub camera: Option<String>,
 
     /// Where the camera stands (three values after a space will do as well)

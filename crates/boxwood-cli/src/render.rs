@@ -7,7 +7,7 @@ use crate::progress::Progress;
 use crate::scene_file::{self, SceneFile};
 use crate::terminal::{self, counted, seconds};
 use boxwood_render::{Film, Options, Pixel, PngOptions, RenderError, Renderer, Setup, camera};
-use boxwood_scene::{Camera, Image};
+use boxwood_scene::{Camera, Image, Projection};
 use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -33,6 +33,8 @@ struct Report<'a> {
     width: u32,
     height: u32,
     spp: u32,
+    /// How many times more light than 1 the key light and sky of a scene without lights were given.
+    brightened: f32,
     depth: u32,
     view: &'static str,
     /// `null` for one that was found by itself or described on the command line.
@@ -75,6 +77,12 @@ fn picture(
     // Before the work of building: a wrong camera ends here.
     let (camera, camera_name) = choose_camera(&args.camera, &file, args.size.0)?;
     let mut warnings = file.scene.warnings.clone();
+    if file.scene.triangle_count() == 0 {
+        warnings.push(format!(
+            "{}: has no triangles, so the picture shows only the surroundings",
+            file.name
+        ));
+    }
 
     let setup = Setup {
         structure: args.tracing.accel,
@@ -129,6 +137,7 @@ fn picture(
         height,
         spp: args.spp,
         depth: args.depth,
+        brightened: film.brightened(),
         view: args.view.name(),
         camera: camera_name,
         triangles: file.scene.triangle_count(),
@@ -160,10 +169,15 @@ impl Report<'_> {
             .camera
             .as_ref()
             .map_or(String::new(), |name| format!(", camera {name}"));
+        let help = if self.brightened > 1.0 {
+            format!(", brightened {:.1} times", self.brightened)
+        } else {
+            String::new()
+        };
         format!(
             "scene   {}: {}{camera}\n\
              loaded  in {}, built {} in {}\n\
-             traced  in {} with {}\n\
+             traced  in {} with {}{help}\n\
              wrote   {place} ({}x{}, {}, {}, {})",
             self.scene,
             counted(self.triangles, "triangle"),
@@ -244,7 +258,15 @@ fn choose_camera(
     [width, height]: [u32; 2],
 ) -> Outcome<(Camera, Option<String>)> {
     let names = file.camera_names();
-    let own = |i: usize| Ok((file.scene.cameras[i].clone(), Some(names[i].clone())));
+    let own = |i: usize| {
+        let mut camera = file.scene.cameras[i].clone();
+        if let Some(degrees) = args.fov {
+            camera.projection = Projection::Perspective {
+                vfov: degrees.to_radians(),
+            };
+        }
+        Ok((camera, Some(names[i].clone())))
+    };
     if let Some(wanted) = &args.camera {
         let found = names.iter().position(|name| name == wanted);
         return match found {
@@ -260,7 +282,7 @@ fn choose_camera(
             ))),
         };
     }
-    let described = args.eye.is_some() || args.up.is_some() || args.fov.is_some();
+    let described = args.eye.is_some() || args.up.is_some();
     if !described && !names.is_empty() {
         return own(0);
     }

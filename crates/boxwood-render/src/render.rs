@@ -129,8 +129,10 @@ impl Renderer {
             spp: options.spp.max(1),
             view: options.view,
         };
+        let mut brightened = 1.0;
         if self.world.key_light.is_some() && options.view == View::Shaded {
-            shot.tracer.exposure *= shot.brightening(size);
+            brightened = shot.brightening(size);
+            shot.tracer.exposure *= brightened;
         }
         let [columns, rows] = size.map(|n| n.div_ceil(TILE));
         let count = (columns * rows) as usize;
@@ -147,6 +149,7 @@ impl Renderer {
         let mut film = Film {
             size,
             view: options.view,
+            brightened,
             pixels: vec![NOTHING; size[0] as usize * size[1] as usize],
         };
         for (tile, pixels) in (0..).zip(tiles) {

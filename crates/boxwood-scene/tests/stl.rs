@@ -219,3 +219,17 @@ proptest! {
         }
     }
 }
+
+/// Finding the line of each solid from the start of the file made this take minutes.
+#[test]
+fn a_flood_of_solids_is_read_in_one_go() {
+    let solid = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n\
+                 endloop\nendfacet\nendsolid a\n";
+    let text = solid.repeat(50_000);
+    let source = Source {
+        name: "flood.stl",
+        files: &NoFiles,
+    };
+    let scene = Scene::from_bytes(Format::Stl, text.as_bytes(), source).expect("a good file");
+    assert_eq!(scene.triangle_count(), 50_000);
+}

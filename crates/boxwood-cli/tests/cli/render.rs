@@ -105,7 +105,9 @@ fn cameras_have_names() {
     let main = bench.read("a.png");
     assert_eq!(make("--camera overview")["camera"], "overview");
     assert!(bench.read("a.png") != main);
-    assert_eq!(make("--fov 30")["camera"], serde_json::Value::Null);
+    assert_eq!(make("--fov 30")["camera"], "main");
+    assert!(bench.read("a.png") != main);
+    assert_eq!(make("--camera overview --fov 30")["camera"], "overview");
     assert_eq!(
         bench.refused("render teapot-in-stadium --camera side -o a.png"),
         "teapot-in-stadium: no camera is called `side`; there are main, overview"
@@ -214,7 +216,6 @@ fn nonsense_is_a_usage_error() {
         ("--eye 1,2", "expected three numbers"),
         ("--look-at 1,2,3", "--eye"),
         ("--camera a --eye 1,2,3", "cannot be used with"),
-        ("--camera a --fov 30", "cannot be used with"),
         ("--view xray", "possible values: shaded, normals"),
         ("--accel tree", "no structure is called `tree`"),
         ("--exposure bright", "number of stops"),

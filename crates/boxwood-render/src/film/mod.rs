@@ -15,6 +15,7 @@ pub use self::png::PngOptions;
 pub struct Film {
     pub(crate) size: [u32; 2],
     pub(crate) view: View,
+    pub(crate) brightened: f32,
     pub(crate) pixels: Vec<Pixel>,
 }
 
@@ -48,6 +49,12 @@ pub struct Pixel {
 }
 
 impl Film {
+    /// How many times brighter the picture is than the sky and key light of a scene without lights would leave it: 1 to 4,
+    /// chosen so that the mean surface is not too dim; 1 for a scene with lights. Already in every pixel.
+    pub fn brightened(&self) -> f32 {
+        self.brightened
+    }
+
     /// Width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
