@@ -125,7 +125,7 @@ impl PreparedRay {
             let power = math::power_to_one(largest);
             (Some(power), d * power)
         };
-        let floor = U * size[kz];
+        let floor = U * d[kz].abs();
         let raise = |x: f32| {
             if x.abs() < floor {
                 floor.copysign(x)
