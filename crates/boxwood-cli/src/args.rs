@@ -251,7 +251,10 @@ fn view_parser() -> impl TypedValueParser<Value = View> {
 }
 
 fn accel_help() -> String {
-    let names = StructureKind::all().map(|kind| kind.to_string()).join(", ");
+    let names = StructureKind::all()
+        .map(|kind| kind.name())
+        .collect::<Vec<_>>()
+        .join(", ");
     format!("The acceleration structure: {names}; settings follow after commas (bvh:median,leaf=2)")
 }
 

@@ -1,7 +1,7 @@
 //! Every structure returns the bits of the judge, however it is asked.
 
 use crate::structures;
-use boxwood::{Hit, Primitives, Ray, TraversalStats};
+use boxwood::{BruteForce, Hit, Intersect, Primitives, Ray, TraversalStats};
 use std::ops::ControlFlow::Continue;
 
 /// How much was compared: a test that hits nothing tests nothing.
@@ -18,14 +18,13 @@ pub struct Compared {
 /// # Panics
 /// At the first answer that differs from the judge's by a bit, naming structure, question, `case` and ray.
 pub fn check<P: Primitives + Send + Sync>(primitives: &P, rays: &[Ray], case: &str) -> Compared {
-    let table = structures::all::<P>();
-    let judge = table[0].1(primitives);
-    let expected: Vec<Expected> = rays.iter().map(|ray| Expected::of(&*judge, ray)).collect();
-    for (name, build) in table {
-        let structure = build(primitives);
+    let judge = BruteForce::new(primitives);
+    let expected: Vec<Expected> = rays.iter().map(|ray| Expected::of(&judge, ray)).collect();
+    for entry in structures::all() {
+        let (name, structure) = (entry.name(), entry.build(primitives));
         assert_eq!(
             bounds_bits(structure.bounds()),
-            bounds_bits(judge.bounds()),
+            bounds_bits(Intersect::bounds(&judge)),
             "bounds of {name}, {case}"
         );
         let mut closest = vec![None; rays.len()];
@@ -98,7 +97,7 @@ struct Expected {
 const SEEN: [(u32, f32); 2] = [(0b010, 0.5), (0, 0.0)];
 
 impl Expected {
-    fn of(judge: &dyn structures::Structure, ray: &Ray) -> Self {
+    fn of(judge: &dyn Intersect, ray: &Ray) -> Self {
         let all = judge.all_hits(ray);
         assert!(
             all.iter().all(|h| h.t.is_finite()),
@@ -106,17 +105,12 @@ impl Expected {
         );
         Self {
             kept: all.iter().copied().find(keep).map(Bits::of),
-            seen: SEEN.map(|(mask, time)| judge.closest_seen(ray, mask, time).map(Bits::of)),
+            seen: SEEN.map(|(mask, time)| judge.closest_hit_seen(ray, mask, time).map(Bits::of)),
             all: bits(all),
         }
     }
 
-    fn holds_for(
-        &self,
-        s: &dyn structures::Structure,
-        ray: &Ray,
-        question: &dyn Fn(&str) -> String,
-    ) {
+    fn holds_for(&self, s: &dyn Intersect, ray: &Ray, question: &dyn Fn(&str) -> String) {
         let (all, first) = (&self.all, self.all.first().copied());
         let any = first.is_some();
         let mut stats = TraversalStats::default();
@@ -128,7 +122,9 @@ impl Expected {
         assert!(stats.primitives > 0 || !any, "{}", question("counts"));
         same(s.closest_hit_where(ray, &mut keep), self.kept, "filtered");
         for ((mask, time), seen) in SEEN.into_iter().zip(self.seen) {
-            same(s.closest_seen(ray, mask, time), seen, "masked");
+            same(s.closest_hit_seen(ray, mask, time), seen, "masked");
+            let found = s.occluded_seen(ray, mask, time);
+            assert_eq!(found, seen.is_some(), "{}", question("masked occlusion"));
         }
         let is = |found: bool, expected: bool, what| {
             assert_eq!(found, expected, "{}", question(what));

@@ -1,70 +1,74 @@
 //! The one table of structures: a new structure is one line here, and every test, fuzz target and comparison has it.
 
-use boxwood::{
-    BinnedSah, BruteForce, Bvh, Closest, Hit, Intersect, Median, Primitives, Ray, Seen, Traverse,
-};
+use boxwood::{Intersect, Primitives, StructureKind};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::OnceLock;
 
-/// What the tests ask: [`Intersect`], and what only the full type can be asked.
-pub trait Structure: Intersect {
-    /// The closest hit as seen with a mask at a moment.
-    fn closest_seen(&self, ray: &Ray, mask: u32, time: f32) -> Option<Hit>;
+/// All structures with the settings worth testing, as [`StructureKind`] reads them. The first is the judge.
+const TABLE: &[&str] = &[
+    "brute",
+    "bvh:median",
+    "bvh:median,leaf=1",
+    "bvh:median,leaf=64",
+    "bvh:median,axes=xy",
+    "bvh:binned",
+    "bvh:binned,bins=2,leaf=1",
+    "bvh:binned,leaf=64",
+    "bvh:binned,axes=y",
+];
+
+/// Those that are also built by 1, 2 and 3 threads, whatever pool the test runs in.
+const THREADED: &[&str] = &["bvh:binned"];
+
+/// A structure of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    kind: StructureKind,
+    threads: Option<usize>,
 }
 
-impl<T: Traverse + Send + Sync> Structure for T {
-    fn closest_seen(&self, ray: &Ray, mask: u32, time: f32) -> Option<Hit> {
-        let inner = Closest::new(ray);
-        let mut query = Seen { inner, mask, time };
-        self.traverse(ray, &mut query, &mut ());
-        query.inner.hit()
+impl Entry {
+    /// As text: `bvh:binned`, `bvh:binned by 2 threads`.
+    pub fn name(&self) -> String {
+        match self.threads {
+            None => self.kind.to_string(),
+            Some(threads) => format!("{} by {threads} threads", self.kind),
+        }
+    }
+    /// The structure and its settings.
+    pub fn kind(&self) -> StructureKind {
+        self.kind
+    }
+    /// Builds it.
+    pub fn build<'a, P: Primitives + Send + Sync>(
+        &self,
+        primitives: &'a P,
+    ) -> Box<dyn Intersect + 'a> {
+        match self.threads {
+            None => self.kind.build(primitives),
+            Some(threads) => pool(threads).install(|| self.kind.build(primitives)),
+        }
     }
 }
 
-/// Makes a structure over borrowed primitives.
-pub type Build<P> = for<'a> fn(&'a P) -> Box<dyn Structure + 'a>;
-
-/// All structures with the settings worth testing, by name. The first is the judge.
-pub fn all<P: Primitives + Send + Sync>() -> [(&'static str, Build<P>); 10] {
-    [
-        ("brute", |p| Box::new(BruteForce::new(p))),
-        ("bvh:median", |p| bvh(p, Median::default().build(p))),
-        ("bvh:median,leaf=1", |p| {
-            bvh(p, Median { max_leaf: 1 }.build(p))
-        }),
-        ("bvh:median,leaf=64", |p| {
-            bvh(p, Median { max_leaf: 64 }.build(p))
-        }),
-        ("bvh:binned", |p| bvh(p, BinnedSah::default().build(p))),
-        ("bvh:binned,bins=2,leaf=1", |p| {
-            let builder = BinnedSah {
-                bins: 2,
-                max_leaf: 1,
-            };
-            bvh(p, builder.build(p))
-        }),
-        ("bvh:binned,leaf=64", |p| {
-            let builder = BinnedSah {
-                max_leaf: 64,
-                ..Default::default()
-            };
-            bvh(p, builder.build(p))
-        }),
-        ("bvh:binned by 1 thread", |p| bvh(p, built_by(1, p))),
-        ("bvh:binned by 2 threads", |p| bvh(p, built_by(2, p))),
-        ("bvh:binned by 3 threads", |p| bvh(p, built_by(3, p))),
-    ]
-}
-
-fn bvh<P: Primitives + Send + Sync>(
-    primitives: &P,
-    tree: boxwood::BinaryTree,
-) -> Box<dyn Structure + '_> {
-    Box::new(Bvh::new(primitives, tree))
-}
-
-fn built_by<P: Primitives + Sync>(threads: usize, primitives: &P) -> boxwood::BinaryTree {
-    pool(threads).install(|| BinnedSah::default().build(primitives))
+/// The table. The first entry is the judge.
+///
+/// # Panics
+/// When the table names what does not exist.
+pub fn all() -> impl Iterator<Item = Entry> {
+    let read = |text: &&str| text.parse().unwrap_or_else(|e| panic!("{e}"));
+    let plain = TABLE.iter().map(move |text| Entry {
+        kind: read(text),
+        threads: None,
+    });
+    let threaded = THREADED.iter().flat_map(move |text| {
+        let kind = read(text);
+        [1, 2, 3].map(|threads| Entry {
+            kind,
+            threads: Some(threads),
+        })
+    });
+    plain.chain(threaded)
 }
 
 /// A pool of 1 to 8 threads, made once.
@@ -77,4 +81,23 @@ pub fn pool(threads: usize) -> &'static ThreadPool {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build();
         pool.expect("the system gives threads")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_structure_is_tested() {
+        assert_eq!(
+            all().next().map(|e| e.kind),
+            Some("brute".parse().expect("the judge"))
+        );
+        for kind in StructureKind::all() {
+            assert!(
+                all().any(|entry| entry.kind == kind),
+                "{kind} is not in the table"
+            );
+        }
+    }
 }

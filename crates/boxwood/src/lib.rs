@@ -36,7 +36,7 @@ pub mod query;
 
 pub use accel::brute_force::BruteForce;
 pub use accel::bvh::{BinaryTree, BinnedSah, Bvh, Median};
-pub use accel::{StructureKind, UnknownStructure};
+pub use accel::{Axes, BuildError, Limits, StructureKind, UnknownStructure};
 pub use geometry::implicit::{Enclosure, Formula, Implicit, ImplicitSurface, Segment};
 pub use geometry::real::Real;
 pub use geometry::shape::{Shape, ShapeError, ShapeFlaw};
@@ -47,6 +47,6 @@ pub use primitive::{
     Planes, Primitives, Shapes, Spheres, Surfaces, Tori, TriangleMesh,
 };
 pub use query::{
-    AllHits, Closest, Counters, Filter, FirstHits, Intersect, Occluded, Query, Seen,
-    TraversalStats, Traverse,
+    AllHits, Closest, Counters, Filter, FirstHits, Intersect, Occluded, Query, Seen, Step,
+    TraversalStats, Traverse, Verdict,
 };

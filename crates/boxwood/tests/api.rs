@@ -173,7 +173,14 @@ fn masks_and_moments_reach_the_primitives() {
             .map(|i| (Vec3::new(0.0, 0.0, 4.0 * i as f32), 1.0))
             .collect(),
     );
-    let bvh = Bvh::new(&spheres, Median { max_leaf: 1 }.build(&spheres));
+    let bvh = Bvh::new(
+        &spheres,
+        Median {
+            max_leaf: 1,
+            ..Default::default()
+        }
+        .build(&spheres),
+    );
     let ask = |ray: Ray, mask, time| {
         let inner = Closest::new(&ray);
         let mut query = Seen { inner, mask, time };
@@ -196,8 +203,9 @@ fn nothing_is_hit_at_infinity() {
     let far = 1.0e4;
     let triangle = [[-far, -far, far], [far, -far, far], [0.0, far, far]];
     let mesh = TriangleMesh::new(triangle, [[0_u8, 1, 2]]).expect("a good mesh");
-    for (name, build) in boxwood_testkit::structures::all() {
-        let structure = build(&mesh);
+    for entry in boxwood_testkit::structures::all() {
+        let name = entry.name();
+        let structure = entry.build(&mesh);
         let ray = Ray::new([0.0; 3], [0.0, 0.0, 1.0e-38]);
         assert_eq!(structure.closest_hit(&ray), None, "{name}");
         assert!(structure.all_hits(&ray).is_empty(), "{name}");

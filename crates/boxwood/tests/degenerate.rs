@@ -11,6 +11,7 @@ fn trees(mesh: &TriangleMesh) -> [(&'static str, BinaryTree); 3] {
     let small = BinnedSah {
         bins: 2,
         max_leaf: 1,
+        ..Default::default()
     };
     let trees = [
         ("median", Median::default().build(mesh)),
@@ -35,8 +36,9 @@ fn an_empty_mesh_is_a_legal_scene() {
     let mesh = TriangleMesh::default();
     let ray = Ray::new([0.0; 3], [0.0, 0.0, 1.0]);
     agreement::check(&mesh, &[ray], "empty mesh");
-    for (name, build) in structures::all() {
-        let structure = build(&mesh);
+    for entry in structures::all() {
+        let name = entry.name();
+        let structure = entry.build(&mesh);
         assert!(structure.bounds().is_empty(), "{name}");
         assert_eq!(structure.closest_hit(&ray), None, "{name}");
         assert_eq!(structure.statistics().sah_cost, 0.0, "{name}");
@@ -140,8 +142,9 @@ fn triangles_without_area_are_kept_and_never_hit() {
     let mesh = boxwood_testkit::Model::of_triangles(triangles).mesh();
     let ray = Ray::new([1.0, 1.0, -1.0], [0.0, 0.0, 2.0]);
     agreement::check(&mesh, &[ray], "without area");
-    for (name, build) in structures::all() {
-        let hits = build(&mesh).all_hits(&ray);
+    for entry in structures::all() {
+        let name = entry.name();
+        let hits = entry.build(&mesh).all_hits(&ray);
         let found: Vec<u32> = hits.iter().map(|h| h.primitive).collect();
         let expected: Vec<u32> = (0..40).map(|i| 4 * i).collect();
         assert_eq!(found, expected, "{name}");
@@ -215,10 +218,13 @@ fn a_triangle_at_any_ordinary_size_is_hit() {
         let s = 2.0_f32.powi(power);
         let mesh = boxwood_testkit::Model::of_triangles([[[0.0; 3], [s, 0.0, 0.0], [0.0, s, 0.0]]]);
         let mesh = mesh.mesh();
-        for (name, build) in structures::all() {
+        for entry in structures::all() {
+            let name = entry.name();
             // As long as products stay within the floats, all sizes are alike.
             let expected = (-40..=40).contains(&power).then_some(1.0);
-            let hit = build(&mesh).closest_hit(&Ray::new([0.25 * s, 0.25 * s, -s], [0.0, 0.0, s]));
+            let hit = entry
+                .build(&mesh)
+                .closest_hit(&Ray::new([0.25 * s, 0.25 * s, -s], [0.0, 0.0, s]));
             assert!(
                 hit.is_none_or(|h| h.t == 1.0),
                 "{name} at 2^{power}: {hit:?}"

@@ -26,6 +26,7 @@ fn trees_do_not_depend_on_threads() {
             BinnedSah {
                 bins: 5,
                 max_leaf: 1,
+                ..Default::default()
             },
         ];
         for builder in builders {

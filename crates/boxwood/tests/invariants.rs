@@ -94,11 +94,20 @@ fn all_hold(boxes: &Boxes, bins: usize, leaf: usize) -> Result<(), TestCaseError
     let binned = BinnedSah {
         bins,
         max_leaf: leaf,
+        ..Default::default()
     };
     // Settings beyond their range are brought into it.
     let most = leaf.clamp(1, 64);
     holds(boxes, &binned.build(boxes), most)?;
-    holds(boxes, &Median { max_leaf: leaf }.build(boxes), most)
+    holds(
+        boxes,
+        &Median {
+            max_leaf: leaf,
+            ..Default::default()
+        }
+        .build(boxes),
+        most,
+    )
 }
 
 proptest! {

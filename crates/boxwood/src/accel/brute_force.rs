@@ -2,10 +2,15 @@
 //!
 //! *Cost.* One test per primitive and ray; no memory. Whatever a structure answers, this is what it must equal.
 
+use super::limits::Site;
+use super::settings::{Setting, Settings};
+use super::{BuildError, Limits};
 use crate::geometry::{Aabb, PreparedRay, Ray};
 use crate::inspect::Statistics;
 use crate::primitive::{self, Primitives};
-use crate::query::{Counters, Query, Traverse};
+use crate::query::{Counters, Intersect, Query, Traverse};
+use alloc::boxed::Box;
+use alloc::vec::Vec;
 
 /// Tests every primitive against every ray.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +24,24 @@ impl<P: Primitives> BruteForce<P> {
     pub fn new(primitives: P) -> Self {
         let bounds = primitive::bounds_of(&primitives);
         Self { primitives, bounds }
+    }
+}
+
+/// The builder of [`BruteForce`]: there is nothing to set and nothing to build.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Exhaustive;
+
+impl Settings for Exhaustive {
+    const NAME: &'static str = "brute";
+    fn settings(&mut self) -> Vec<Setting<'_>> {
+        Vec::new()
+    }
+    fn structure<'a, P: Primitives + Send + Sync + 'a>(
+        &self,
+        primitives: P,
+        limits: &Limits<'_>,
+    ) -> Result<Box<dyn Intersect + 'a>, BuildError> {
+        Site::new(limits, 1).finish(Box::new(BruteForce::new(primitives)))
     }
 }
 

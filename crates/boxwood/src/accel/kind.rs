@@ -1,39 +1,106 @@
 //! Names for structures and their settings: what the command line and Python speak.
 
-use super::brute_force::BruteForce;
-use super::bvh::{BinnedSah, Bvh, Median};
+use super::brute_force::Exhaustive;
+use super::bvh::{BinnedSah, Median};
+use super::settings::{self, Settings};
+use super::{BuildError, Limits, limits};
 use crate::primitive::Primitives;
 use crate::query::Intersect;
+use alloc::borrow::Cow;
 use alloc::boxed::Box;
+use alloc::format;
 use alloc::string::{String, ToString};
 use core::fmt;
 use core::str::FromStr;
 
-/// A structure by name, with its settings: `NAME[:SETTING[,SETTING]…]`.
-///
-/// | text | structure |
-/// |---|---|
-/// | `brute` | [`BruteForce`], the judge |
-/// | `bvh`, `bvh:binned` | [`Bvh`] over [`BinnedSah`]; settings `bins=16`, `leaf=8` |
-/// | `bvh:median` | [`Bvh`] over [`Median`]; setting `leaf=5` |
-///
-/// ```
-/// use boxwood::StructureKind;
-/// let kind: StructureKind = "bvh:binned,bins=32".parse()?;
-/// assert_eq!(kind.to_string(), "bvh:binned,bins=32");
-/// assert_eq!("bvh".parse::<StructureKind>()?, StructureKind::default());
-/// # Ok::<(), boxwood::UnknownStructure>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum StructureKind {
-    /// [`BruteForce`].
-    BruteForce,
-    /// [`Bvh`] over [`BinnedSah`].
-    Binned(BinnedSah),
-    /// [`Bvh`] over [`Median`].
-    Median(Median),
+/// One line per structure: everything else follows from its builder's [`Settings`].
+macro_rules! kinds {
+    ($($(#[$doc:meta])* $variant:ident($builder:ty),)*) => {
+        /// A structure by name, with its settings: `NAME[:SETTING[,SETTING]…]`.
+        ///
+        /// The names are those of [`StructureKind::all`]; `bvh` alone is `bvh:binned`. What settings a structure has,
+        /// says [`StructureKind::settings`].
+        ///
+        /// ```
+        /// use boxwood::StructureKind;
+        /// let kind: StructureKind = "bvh:binned,bins=32".parse()?;
+        /// assert_eq!(kind.to_string(), "bvh:binned,bins=32");
+        /// assert_eq!("bvh".parse::<StructureKind>()?, StructureKind::default());
+        /// # Ok::<(), boxwood::UnknownStructure>(())
+        /// ```
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[non_exhaustive]
+        pub enum StructureKind {
+            $($(#[$doc])* $variant($builder),)*
+        }
+
+        impl StructureKind {
+            /// All of them with their default settings: one table for printing, help texts and tests.
+            pub fn all() -> impl Iterator<Item = Self> {
+                [$(Self::$variant(<$builder>::default()),)*].into_iter()
+            }
+            /// The name without settings.
+            pub fn name(&self) -> &'static str {
+                match self {
+                    $(Self::$variant(_) => <$builder as Settings>::NAME,)*
+                }
+            }
+            /// What settings there are and what fits: `bins=2…64, leaf=1…64 and axes=xyz`.
+            pub fn settings(&self) -> String {
+                match self {
+                    $(Self::$variant(_) => settings::known::<$builder>(),)*
+                }
+            }
+            /// Builds the structure. Pass `&mesh`, `Arc<mesh>` or the mesh itself.
+            ///
+            /// # Errors
+            /// When the limits end the build.
+            pub fn build_within<'a, P: Primitives + Send + Sync + 'a>(
+                &self,
+                primitives: P,
+                limits: &Limits<'_>,
+            ) -> Result<Box<dyn Intersect + 'a>, BuildError> {
+                match self {
+                    $(Self::$variant(builder) => builder.structure(primitives, limits),)*
+                }
+            }
+            fn read<'t>(
+                name: &str,
+                settings: impl IntoIterator<Item = &'t str>,
+            ) -> Result<Self, UnknownStructure> {
+                $(if name == <$builder as Settings>::NAME {
+                    return settings::read(settings).map(Self::$variant);
+                })*
+                let known = Self::all().map(|kind| kind.name());
+                Err(UnknownStructure::Name {
+                    name: name.to_string(),
+                    known: known.collect::<alloc::vec::Vec<_>>().join(", "),
+                })
+            }
+        }
+
+        impl fmt::Display for StructureKind {
+            /// Names those settings that are not the default.
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                match self {
+                    $(Self::$variant(builder) => settings::write(builder, f),)*
+                }
+            }
+        }
+    };
 }
+
+kinds! {
+    /// The judge: [`BruteForce`](super::brute_force::BruteForce).
+    BruteForce(Exhaustive),
+    /// [`Bvh`](super::bvh::Bvh) over [`Median`].
+    Median(Median),
+    /// [`Bvh`](super::bvh::Bvh) over [`BinnedSah`].
+    Binned(BinnedSah),
+}
+
+/// What a name without a method means.
+const DEFAULT_METHODS: [(&str, &str); 1] = [("bvh", "binned")];
 
 impl Default for StructureKind {
     fn default() -> Self {
@@ -42,51 +109,12 @@ impl Default for StructureKind {
 }
 
 impl StructureKind {
-    /// All of them with their default settings: one table for printing, help texts and tests.
-    pub fn all() -> [Self; 3] {
-        [
-            Self::BruteForce,
-            Self::Median(Median::default()),
-            Self::Binned(BinnedSah::default()),
-        ]
-    }
-
-    /// Builds the structure. Pass `&mesh`, `Arc<mesh>` or the mesh itself.
+    /// Builds the structure without limits. Pass `&mesh`, `Arc<mesh>` or the mesh itself.
     pub fn build<'a, P: Primitives + Send + Sync + 'a>(
-        self,
+        &self,
         primitives: P,
     ) -> Box<dyn Intersect + 'a> {
-        let tree = match self {
-            Self::BruteForce => return Box::new(BruteForce::new(primitives)),
-            Self::Binned(builder) => builder.build(&primitives),
-            Self::Median(builder) => builder.build(&primitives),
-        };
-        Box::new(Bvh::new(primitives, tree))
-    }
-}
-
-impl fmt::Display for StructureKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Only settings that differ from the defaults are named.
-        let setting = |f: &mut fmt::Formatter<'_>, name: &str, value: usize, default: usize| {
-            if value == default {
-                return Ok(());
-            }
-            write!(f, ",{name}={value}")
-        };
-        match self {
-            Self::BruteForce => f.write_str("brute"),
-            Self::Binned(b) => {
-                let default = BinnedSah::default();
-                f.write_str("bvh:binned")?;
-                setting(f, "bins", b.bins, default.bins)?;
-                setting(f, "leaf", b.max_leaf, default.max_leaf)
-            }
-            Self::Median(b) => {
-                f.write_str("bvh:median")?;
-                setting(f, "leaf", b.max_leaf, Median::default().max_leaf)
-            }
-        }
+        limits::unlimited(self.build_within(primitives, &Limits::NONE))
     }
 }
 
@@ -95,8 +123,13 @@ impl fmt::Display for StructureKind {
 #[non_exhaustive]
 pub enum UnknownStructure {
     /// No structure has this name.
-    #[error("no structure is called `{0}`; there are brute, bvh:median and bvh:binned")]
-    Name(String),
+    #[error("no structure is called `{name}`; there are {known}")]
+    Name {
+        /// The name.
+        name: String,
+        /// What there is.
+        known: String,
+    },
     /// The structure has no such setting.
     #[error("`{structure}` has no setting `{setting}`; it has {known}")]
     Setting {
@@ -105,17 +138,15 @@ pub enum UnknownStructure {
         /// The text between the commas.
         setting: String,
         /// What there is.
-        known: &'static str,
+        known: String,
     },
     /// The value does not fit.
-    #[error("`{setting}` must be a whole number from {from} to {to}")]
+    #[error("`{setting}` does not fit: expected {expected}")]
     Value {
         /// The text between the commas.
         setting: String,
-        /// The least value.
-        from: usize,
-        /// The greatest value.
-        to: usize,
+        /// What fits.
+        expected: String,
     },
 }
 
@@ -123,70 +154,18 @@ impl FromStr for StructureKind {
     type Err = UnknownStructure;
 
     fn from_str(text: &str) -> Result<Self, UnknownStructure> {
-        let (name, settings) = text.split_once(':').unwrap_or((text, ""));
+        let (family, settings) = text.split_once(':').unwrap_or((text, ""));
         let mut settings = settings.split(',').filter(|s| !s.is_empty()).peekable();
-        match name {
-            "brute" => match settings.next() {
-                None => Ok(Self::BruteForce),
-                Some(setting) => Err(UnknownStructure::Setting {
-                    structure: "brute",
-                    setting: setting.to_string(),
-                    known: "none",
-                }),
-            },
-            "bvh" => {
-                // The method comes first; without one it is the default.
-                let method = settings.next_if(|s| !s.contains('=')).unwrap_or("binned");
-                match method {
-                    "binned" => {
-                        let mut builder = BinnedSah::default();
-                        for setting in settings {
-                            match setting.split_once('=') {
-                                Some(("bins", n)) => builder.bins = number(setting, n, 2, 64)?,
-                                Some(("leaf", n)) => builder.max_leaf = number(setting, n, 1, 64)?,
-                                _ => {
-                                    return Err(UnknownStructure::Setting {
-                                        structure: "bvh:binned",
-                                        setting: setting.to_string(),
-                                        known: "bins=2…64 and leaf=1…64",
-                                    });
-                                }
-                            }
-                        }
-                        Ok(Self::Binned(builder))
-                    }
-                    "median" => {
-                        let mut builder = Median::default();
-                        for setting in settings {
-                            match setting.split_once('=') {
-                                Some(("leaf", n)) => builder.max_leaf = number(setting, n, 1, 64)?,
-                                _ => {
-                                    return Err(UnknownStructure::Setting {
-                                        structure: "bvh:median",
-                                        setting: setting.to_string(),
-                                        known: "leaf=1…64",
-                                    });
-                                }
-                            }
-                        }
-                        Ok(Self::Median(builder))
-                    }
-                    _ => Err(UnknownStructure::Name(text.to_string())),
-                }
-            }
-            _ => Err(UnknownStructure::Name(text.to_string())),
-        }
-    }
-}
-
-fn number(setting: &str, value: &str, from: usize, to: usize) -> Result<usize, UnknownStructure> {
-    match value.parse() {
-        Ok(n) if (from..=to).contains(&n) => Ok(n),
-        _ => Err(UnknownStructure::Value {
-            setting: setting.to_string(),
-            from,
-            to,
-        }),
+        let default = DEFAULT_METHODS.iter().find(|(name, _)| *name == family);
+        // The method comes first; without one it is the family's default.
+        let method = settings
+            .next_if(|s| !s.contains('='))
+            .or(default.map(|(_, method)| *method));
+        let name = match method {
+            Some(method) => Cow::Owned(format!("{family}:{method}")),
+            None => Cow::Borrowed(family),
+        };
+        Self::read(&name, settings)
     }
 }
 
@@ -197,9 +176,14 @@ mod tests {
     #[test]
     fn names_go_both_ways() {
         for kind in StructureKind::all() {
+            assert_eq!(kind.to_string(), kind.name());
             assert_eq!(kind.to_string().parse(), Ok(kind));
         }
-        for text in ["brute", "bvh:median,leaf=1", "bvh:binned,bins=8,leaf=2"] {
+        for text in [
+            "brute",
+            "bvh:median,leaf=1",
+            "bvh:binned,bins=8,leaf=2,axes=xy",
+        ] {
             let kind: StructureKind = text.parse().expect("a good name");
             assert_eq!(kind.to_string(), text);
         }
@@ -215,18 +199,19 @@ mod tests {
             let parsed = text.parse::<StructureKind>();
             parsed.expect_err("no such structure").to_string()
         };
-        assert_eq!(
-            error("quadtree"),
-            "no structure is called `quadtree`; there are brute, bvh:median and bvh:binned"
+        assert!(
+            error("quadtree").starts_with("no structure is called `quadtree`; there are brute, ")
         );
+        assert!(error("bvh:quick").starts_with("no structure is called `bvh:quick`"));
         assert_eq!(
             error("bvh:median,bins=3"),
-            "`bvh:median` has no setting `bins=3`; it has leaf=1…64"
+            "`bvh:median` has no setting `bins=3`; it has leaf=1…64 and axes=xyz"
         );
+        assert_eq!(error("bvh:leaf=0"), "`leaf=0` does not fit: expected 1…64");
+        assert!(error("brute:1").starts_with("no structure is called `brute:1`"));
         assert_eq!(
-            error("bvh:leaf=0"),
-            "`leaf=0` must be a whole number from 1 to 64"
+            error("brute:x=1"),
+            "`brute` has no setting `x=1`; it has none"
         );
-        assert_eq!(error("brute:1"), "`brute` has no setting `1`; it has none");
     }
 }

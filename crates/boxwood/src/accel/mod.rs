@@ -5,10 +5,18 @@
 //! | [`BruteForce`](brute_force::BruteForce) | none | judging the others; a handful of primitives |
 //! | [`Bvh`](bvh::Bvh) over [`BinnedSah`](bvh::BinnedSah) | O(n log n) | everything: the default |
 //! | [`Bvh`](bvh::Bvh) over [`Median`](bvh::Median) | O(n log n) | learning: the simplest tree that works |
+//!
+//! Every builder is its settings as a value; `build` cannot fail, `build_within` obeys [`Limits`].
 
+mod axes;
 pub mod brute_force;
 pub mod bvh;
+mod cells;
 mod kind;
+mod limits;
 pub mod sah;
+mod settings;
 
+pub use axes::{Axes, UnknownAxes};
 pub use kind::{StructureKind, UnknownStructure};
+pub use limits::{BuildError, Limits};

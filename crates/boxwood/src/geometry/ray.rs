@@ -214,6 +214,53 @@ impl PreparedRay {
         (round_down(enter), -round_down(-leave))
     }
 
+    /// Where the ray crosses a plane across an axis, `(early, late)`, erring by the slack to either side.
+    ///
+    /// What lies before the plane along the ray's way (below it when `direction[axis] >= 0`, else above) and is met at
+    /// `t`, has `t <= late`; what lies behind it has `t >= early`. Monotone in the plane, as [`Self::slabs`].
+    #[inline(always)]
+    pub fn crossing(&self, axis: usize, plane: f32) -> (f32, f32) {
+        if self.scaled.is_some() {
+            return self.crossing_f64(axis, plane);
+        }
+        let at = plane * self.inverse[axis];
+        (at - self.near[axis], at - self.far[axis])
+    }
+
+    #[cold]
+    fn crossing_f64(&self, axis: usize, plane: f32) -> (f32, f32) {
+        let o = f64::from(self.ray.origin[axis]);
+        let d = f64::from(self.ray.direction[axis]);
+        let (lower, upper) = (f64::from(plane) - self.slack, f64::from(plane) + self.slack);
+        if d == 0.0 {
+            // Never crossed: all of the ray lies on one side, or so near that it counts for both.
+            let early = if o < lower {
+                f32::INFINITY
+            } else {
+                f32::NEG_INFINITY
+            };
+            let late = if o > upper {
+                f32::NEG_INFINITY
+            } else {
+                f32::INFINITY
+            };
+            return (early, late);
+        }
+        let (first, last) = if d < 0.0 {
+            (upper, lower)
+        } else {
+            (lower, upper)
+        };
+        (round_down((first - o) / d), -round_down(-((last - o) / d)))
+    }
+
+    /// How far a hit's point on the ray may be from the point of the surface that it stands for, on each axis, in world
+    /// units: `32 u (S + R)`.
+    #[inline]
+    pub fn slack(&self) -> f64 {
+        self.slack
+    }
+
     /// Where the ray enters a box within `[t_min, t_max]`; `None` when it does not. Conservative, as [`Self::slabs`].
     #[inline(always)]
     pub fn enters(&self, b: &Aabb, t_max: f32) -> Option<f32> {

@@ -1,7 +1,7 @@
 //! Triangle meshes: checked once, trusted afterwards.
 
 use super::{Primitives, Surfaces};
-use crate::geometry::triangle::{self, Meeting, moller_trumbore, watertight};
+use crate::geometry::triangle::{self, Meeting, moller_trumbore, overlap, watertight};
 use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Surface, Vec3};
 use crate::query::{Counters, Query};
 use alloc::vec::Vec;
@@ -15,6 +15,8 @@ use core::ops::ControlFlow::{self, Continue};
 pub struct TriangleMesh {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
+    /// Where the objects end that the triangles belong to, ascending; what comes after the last end is one more.
+    object_ends: Vec<u32>,
 }
 
 /// Why a mesh was refused.
@@ -141,7 +143,19 @@ impl TriangleMesh {
         Ok(Self {
             positions,
             triangles,
+            object_ends: Vec::new(),
         })
+    }
+
+    /// The same mesh, knowing that its triangles belong to several objects: the first one ends before triangle
+    /// `ends[0]`, the second one before `ends[1]`, … Only [`Primitives::object_end`] tells of it. Ends that do not ascend
+    /// are brought into order.
+    #[must_use]
+    pub fn with_objects(mut self, ends: impl IntoIterator<Item = u32>) -> Self {
+        self.object_ends = ends.into_iter().collect();
+        self.object_ends.sort_unstable();
+        self.object_ends.dedup();
+        self
     }
 
     /// The vertices.
@@ -185,6 +199,19 @@ impl Primitives for TriangleMesh {
     #[inline]
     fn bounds(&self, i: usize) -> Aabb {
         Aabb::of(self.triangle(i))
+    }
+    fn clipped_bounds(&self, i: usize, within: &Aabb) -> Aabb {
+        overlap::clipped_bounds(self.triangle(i), within)
+    }
+    fn overlaps(&self, i: usize, within: &Aabb) -> bool {
+        overlap::overlaps(self.triangle(i), within)
+    }
+    fn object_end(&self, i: usize) -> usize {
+        // The number of ends that are not beyond `i` is the number of the object.
+        let object = self.object_ends.partition_point(|&end| end as usize <= i);
+        self.object_ends
+            .get(object)
+            .map_or(self.len(), |&end| end as usize)
     }
     #[inline(always)]
     fn offer<Q: Query, C: Counters>(
@@ -232,6 +259,9 @@ impl<M: core::borrow::Borrow<TriangleMesh>> Primitives for MollerTrumbore<M> {
     #[inline]
     fn bounds(&self, i: usize) -> Aabb {
         self.0.borrow().bounds(i)
+    }
+    fn object_end(&self, i: usize) -> usize {
+        self.0.borrow().object_end(i)
     }
     #[inline(always)]
     fn offer<Q: Query, C: Counters>(

@@ -11,7 +11,7 @@ pub use shapes::{
 };
 
 use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Surface};
-use crate::query::{Counters, Query};
+use crate::query::{Counters, Query, Step};
 use alloc::sync::Arc;
 use core::ops::ControlFlow::{self, Continue};
 
@@ -28,9 +28,19 @@ pub trait Primitives {
     }
     /// Around primitive `i`; an empty box for a primitive that nothing can hit.
     fn bounds(&self, i: usize) -> Aabb;
-    /// Around the part of primitive `i` that lies in a box.
+    /// Around the part of primitive `i` that lies in a box; empty when there is none. Structures that cut primitives ask
+    /// this only where [`Primitives::WITHIN_SLACK`] holds, and else take the common part of both boxes.
     fn clipped_bounds(&self, i: usize, within: &Aabb) -> Aabb {
         self.bounds(i).intersection(*within)
+    }
+    /// Whether primitive `i` and a box may share a point: exact for triangles, by their boxes for anything else.
+    fn overlaps(&self, i: usize, within: &Aabb) -> bool {
+        !self.bounds(i).intersection(*within).is_empty()
+    }
+    /// One past the last primitive of the object that primitive `i` belongs to: objects are runs of primitives, such as
+    /// the placed meshes of a scene. By default each primitive is an object.
+    fn object_end(&self, i: usize) -> usize {
+        i + 1
     }
     /// Which queries see primitive `i`: those whose [`Query::mask`] shares a bit. All by default.
     #[inline(always)]
@@ -75,6 +85,11 @@ pub fn offer<P: Primitives + ?Sized, Q: Query, C: Counters>(
         return Continue(());
     }
     counters.primitives(1);
+    if C::EXPLAINS {
+        counters.step(Step::Primitive {
+            primitive: i as u32,
+        });
+    }
     if P::WITHIN_SLACK {
         return primitives.offer(i, ray, query, counters);
     }
@@ -133,6 +148,14 @@ macro_rules! forward {
             #[inline]
             fn clipped_bounds(&self, i: usize, within: &Aabb) -> Aabb {
                 (**self).clipped_bounds(i, within)
+            }
+            #[inline]
+            fn overlaps(&self, i: usize, within: &Aabb) -> bool {
+                (**self).overlaps(i, within)
+            }
+            #[inline]
+            fn object_end(&self, i: usize) -> usize {
+                (**self).object_end(i)
             }
             #[inline(always)]
             fn mask(&self, i: usize) -> u32 {

@@ -1,8 +1,8 @@
 //! The object-safe face of a structure.
 
-use super::{AllHits, Closest, FirstHits, Occluded, Query, TraversalStats, Traverse};
+use super::{AllHits, Closest, FirstHits, Occluded, Query, Seen, TraversalStats, Traverse};
 use crate::geometry::{Aabb, Hit, Ray};
-use crate::inspect::Statistics;
+use crate::inspect::{Cell, Event, Explained, Statistics};
 use alloc::vec::Vec;
 use core::ops::ControlFlow::{self, Break, Continue};
 #[cfg(feature = "parallel")]
@@ -20,6 +20,10 @@ pub trait Intersect: Send + Sync {
     fn bounds(&self) -> Aabb;
     /// What the structure is made of and what it should cost.
     fn statistics(&self) -> Statistics;
+    /// Shows every node and cell, parents before their children: for drawings and histograms.
+    fn cells(&self, show: &mut dyn FnMut(&Cell<'_>));
+    /// Everything that happens to a ray in search of its nearest hit, in order.
+    fn explain(&self, ray: &Ray) -> Vec<Event>;
     /// The nearest hit; `None` when there is none.
     fn closest_hit(&self, ray: &Ray) -> Option<Hit>;
     /// Is anything in the ray's interval?
@@ -34,6 +38,11 @@ pub trait Intersect: Send + Sync {
     fn occluded_counted(&self, ray: &Ray, stats: &mut TraversalStats) -> bool;
     /// [`Intersect::all_hits`], adding its steps to `stats`.
     fn all_hits_counted(&self, ray: &Ray, stats: &mut TraversalStats) -> Vec<Hit>;
+    /// [`Intersect::closest_hit`] among the primitives whose mask shares a bit with `mask`, at a moment (which primitives
+    /// that move make sense of).
+    fn closest_hit_seen(&self, ray: &Ray, mask: u32, time: f32) -> Option<Hit>;
+    /// [`Intersect::occluded`] by those primitives, at a moment.
+    fn occluded_seen(&self, ray: &Ray, mask: u32, time: f32) -> bool;
     /// Shows hits to `visit` in no particular order until it breaks; its value, when it is `Continue`, is the new end of
     /// the interval.
     fn visit(&self, ray: &Ray, visit: &mut dyn FnMut(Hit) -> ControlFlow<(), f32>);
@@ -87,6 +96,15 @@ impl<T: Traverse + Send + Sync> Intersect for T {
     fn statistics(&self) -> Statistics {
         Traverse::statistics(self)
     }
+    fn cells(&self, show: &mut dyn FnMut(&Cell<'_>)) {
+        Traverse::cells(self, show);
+    }
+    fn explain(&self, ray: &Ray) -> Vec<Event> {
+        let explained = Explained::default();
+        let query = explained.query(Closest::new(ray));
+        ask(self, ray, query, &mut explained.counters());
+        explained.events()
+    }
     fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
         ask(self, ray, Closest::new(ray), &mut ()).hit()
     }
@@ -107,6 +125,18 @@ impl<T: Traverse + Send + Sync> Intersect for T {
     }
     fn all_hits_counted(&self, ray: &Ray, stats: &mut TraversalStats) -> Vec<Hit> {
         ask(self, ray, AllHits::new(ray), stats).sorted()
+    }
+    fn closest_hit_seen(&self, ray: &Ray, mask: u32, time: f32) -> Option<Hit> {
+        let inner = Closest::new(ray);
+        ask(self, ray, Seen { inner, mask, time }, &mut ())
+            .inner
+            .hit()
+    }
+    fn occluded_seen(&self, ray: &Ray, mask: u32, time: f32) -> bool {
+        let inner = Occluded::new(ray);
+        ask(self, ray, Seen { inner, mask, time }, &mut ())
+            .inner
+            .found()
     }
     fn visit(&self, ray: &Ray, visit: &mut dyn FnMut(Hit) -> ControlFlow<(), f32>) {
         let t_max = ray.end();

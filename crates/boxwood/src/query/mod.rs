@@ -8,12 +8,12 @@ mod counters;
 mod intersect;
 mod kinds;
 
-pub use counters::{Counters, TraversalStats};
+pub use counters::{Counters, Step, TraversalStats, Verdict};
 pub use intersect::Intersect;
 pub use kinds::{AllHits, Closest, Filter, FirstHits, Occluded, Seen};
 
 use crate::geometry::{Aabb, Hit, Ray};
-use crate::inspect::Statistics;
+use crate::inspect::{Cell, Statistics};
 use core::ops::ControlFlow;
 
 /// What a ray wants to know. A filter is a query that wraps a query.
@@ -63,6 +63,9 @@ pub trait Traverse {
 
     /// What the structure is made of and what it should cost.
     fn statistics(&self) -> Statistics;
+
+    /// Shows every node and cell, parents before their children: for drawings and histograms. By default nothing.
+    fn cells(&self, _show: &mut dyn FnMut(&Cell<'_>)) {}
 
     /// Shows the primitives that the ray may meet to the query.
     fn traverse<Q: Query, C: Counters>(&self, ray: &Ray, query: &mut Q, counters: &mut C);

@@ -1,6 +1,7 @@
 //! Two ray-triangle tests: the canonical watertight one, and Möller–Trumbore for comparison.
 
 pub mod moller_trumbore;
+pub mod overlap;
 pub mod watertight;
 
 use super::{Ray, Surface, Vec3};

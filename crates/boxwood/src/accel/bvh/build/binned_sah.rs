@@ -8,9 +8,12 @@
 //!
 //! *Source.* Wald 2007, *On Fast Construction of SAH-based Bounding Volume Hierarchies*.
 
-use super::{BinaryTree, Extent, Item, Split, top_down};
+use super::{BinaryTree, Extent, Item, Split, bvh_settings, top_down};
 use crate::accel::bvh::tree::MAX_LEAF;
+use crate::accel::limits::unlimited;
 use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
+use crate::accel::settings::Setting;
+use crate::accel::{Axes, BuildError, Limits};
 use crate::geometry::{Aabb, Vec3};
 use crate::primitive::Primitives;
 #[cfg(feature = "parallel")]
@@ -23,6 +26,8 @@ pub struct BinnedSah {
     pub bins: usize,
     /// Most primitives in a leaf, 1 to [`MAX_LEAF`].
     pub max_leaf: usize,
+    /// The axes that may be divided.
+    pub axes: Axes,
 }
 
 /// The most bins there may be.
@@ -33,6 +38,7 @@ impl Default for BinnedSah {
         Self {
             bins: 16,
             max_leaf: 8,
+            axes: Axes::XYZ,
         }
     }
 }
@@ -40,11 +46,26 @@ impl Default for BinnedSah {
 impl BinnedSah {
     /// Builds a tree; it cannot fail.
     pub fn build(&self, primitives: &impl Primitives) -> BinaryTree {
+        unlimited(self.build_within(primitives, &Limits::NONE))
+    }
+
+    /// Builds a tree within limits.
+    ///
+    /// # Errors
+    /// When the limits end the build.
+    pub fn build_within(
+        &self,
+        primitives: &impl Primitives,
+        limits: &Limits<'_>,
+    ) -> Result<BinaryTree, BuildError> {
         let settings = Self {
             bins: self.bins.clamp(2, MAX_BINS),
             max_leaf: self.max_leaf.clamp(1, MAX_LEAF),
+            axes: self.axes,
         };
-        top_down(primitives, &|items, extent| settings.split(items, extent))
+        top_down(primitives, self.axes, limits, &|items, extent| {
+            settings.split(items, extent)
+        })
     }
 
     fn split(&self, items: &mut [Item], extent: &Extent) -> Split {
@@ -54,7 +75,7 @@ impl BinnedSah {
         let grid = Bins::new(self.bins, extent);
         let filled = grid.fill(items);
         let mut best: Option<Cut> = None;
-        for axis in 0..3 {
+        for axis in self.axes.iter() {
             if let Some(cut) = filled.cheapest_cut(axis, self.bins)
                 && best.as_ref().is_none_or(|best| cut.is_better(best))
             {
@@ -210,3 +231,9 @@ impl Filled {
         best
     }
 }
+
+bvh_settings!(BinnedSah, "bvh:binned", |builder| [
+    Setting::count("bins", &mut builder.bins, 2..=MAX_BINS),
+    Setting::count("leaf", &mut builder.max_leaf, 1..=MAX_LEAF),
+    Setting::axes(&mut builder.axes),
+]);

@@ -5,8 +5,11 @@
 //!
 //! *Cost.* O(n log n): a selection, not a sort, at every level.
 
-use super::{BinaryTree, Split, top_down};
+use super::{BinaryTree, Split, bvh_settings, top_down};
 use crate::accel::bvh::tree::MAX_LEAF;
+use crate::accel::limits::unlimited;
+use crate::accel::settings::Setting;
+use crate::accel::{Axes, BuildError, Limits};
 use crate::primitive::Primitives;
 
 /// The object-median builder.
@@ -14,19 +17,36 @@ use crate::primitive::Primitives;
 pub struct Median {
     /// Most primitives in a leaf, 1 to [`MAX_LEAF`].
     pub max_leaf: usize,
+    /// The axes that may be divided.
+    pub axes: Axes,
 }
 
 impl Default for Median {
     fn default() -> Self {
-        Self { max_leaf: 5 }
+        Self {
+            max_leaf: 5,
+            axes: Axes::XYZ,
+        }
     }
 }
 
 impl Median {
     /// Builds a tree; it cannot fail.
     pub fn build(&self, primitives: &impl Primitives) -> BinaryTree {
+        unlimited(self.build_within(primitives, &Limits::NONE))
+    }
+
+    /// Builds a tree within limits.
+    ///
+    /// # Errors
+    /// When the limits end the build.
+    pub fn build_within(
+        &self,
+        primitives: &impl Primitives,
+        limits: &Limits<'_>,
+    ) -> Result<BinaryTree, BuildError> {
         let max_leaf = self.max_leaf.clamp(1, MAX_LEAF);
-        top_down(primitives, &|items, extent| {
+        top_down(primitives, self.axes, limits, &|items, extent| {
             if items.len() <= max_leaf {
                 return Split::Leaf;
             }
@@ -41,3 +61,8 @@ impl Median {
         })
     }
 }
+
+bvh_settings!(Median, "bvh:median", |builder| [
+    Setting::count("leaf", &mut builder.max_leaf, 1..=MAX_LEAF),
+    Setting::axes(&mut builder.axes),
+]);

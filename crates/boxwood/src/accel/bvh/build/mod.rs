@@ -2,12 +2,38 @@
 //!
 //! Large parts are built side by side in the caller's rayon pool; the tree does not depend on the threads.
 
+/// The [`Settings`](crate::accel::settings::Settings) of a builder whose trees go into a [`Bvh`](super::Bvh).
+macro_rules! bvh_settings {
+    ($builder:ty, $name:literal, |$it:ident| $settings:expr) => {
+        impl crate::accel::settings::Settings for $builder {
+            const NAME: &'static str = $name;
+            fn settings(&mut self) -> alloc::vec::Vec<Setting<'_>> {
+                let $it = self;
+                $settings.into()
+            }
+            fn structure<'a, P: Primitives + Send + Sync + 'a>(
+                &self,
+                primitives: P,
+                limits: &Limits<'_>,
+            ) -> Result<alloc::boxed::Box<dyn crate::query::Intersect + 'a>, BuildError> {
+                let tree = self.build_within(&primitives, limits)?;
+                Ok(alloc::boxed::Box::new(crate::accel::bvh::Bvh::new(
+                    primitives, tree,
+                )))
+            }
+        }
+    };
+}
+use bvh_settings;
+
 mod binned_sah;
 mod median;
 
 pub use {binned_sah::BinnedSah, median::Median};
 
 use super::tree::{BinaryNode, BinaryTree, MAX_DEPTH};
+use crate::accel::limits::Site;
+use crate::accel::{Axes, BuildError, Limits};
 use crate::geometry::{Aabb, Vec3};
 use crate::primitive::Primitives;
 use alloc::vec::Vec;
@@ -42,28 +68,55 @@ enum Split {
 #[cfg(feature = "parallel")]
 const SEQUENTIAL: usize = 4096;
 
+/// The bytes that a builder needs for each primitive: its item, two nodes at most, a place in the order.
+const BYTES_EACH: usize = size_of::<Item>() + 2 * size_of::<BinaryNode>() + size_of::<u32>();
+
+/// Every primitive with its box, in order.
+fn items(primitives: &impl Primitives) -> Vec<Item> {
+    let item = |i| Item {
+        bounds: primitives.bounds(i),
+        id: i as u32,
+    };
+    (0..primitives.len()).map(item).collect()
+}
+
 /// Splits top-down: `split` reorders its slice and says where to cut.
 ///
 /// Where the tree would grow deeper than [`MAX_DEPTH`], every further cut is in the middle.
 fn top_down<P: Primitives>(
     primitives: &P,
+    axes: Axes,
+    limits: &Limits<'_>,
     split: &(impl Fn(&mut [Item], &Extent) -> Split + Sync),
-) -> BinaryTree {
-    let mut items: Vec<Item> = (0..primitives.len())
-        .map(|i| Item {
-            bounds: primitives.bounds(i),
-            id: i as u32,
-        })
-        .collect();
-    if items.is_empty() {
-        return BinaryTree::default();
+) -> Result<BinaryTree, BuildError> {
+    let site = Site::new(limits, primitives.len());
+    if primitives.is_empty() || !site.take(BYTES_EACH.saturating_mul(primitives.len())) {
+        return site.finish(BinaryTree::default());
     }
+    let mut items = items(primitives);
     let mut nodes = Vec::new();
-    subtree(&mut items, 0, 0, split, &mut nodes);
-    BinaryTree {
+    subtree(
+        &mut items,
+        0,
+        0,
+        &Work {
+            axes,
+            site: &site,
+            split,
+        },
+        &mut nodes,
+    );
+    site.finish(BinaryTree {
         nodes,
         order: items.iter().map(|item| item.id).collect(),
-    }
+    })
+}
+
+/// What all parts of one top-down build share.
+struct Work<'a, S> {
+    axes: Axes,
+    site: &'a Site<'a>,
+    split: &'a S,
 }
 
 /// Builds the tree of `items`, which begin at place `start` of the order, behind what `nodes` already holds.
@@ -72,7 +125,7 @@ fn subtree(
     items: &mut [Item],
     start: usize,
     depth: usize,
-    split: &(impl Fn(&mut [Item], &Extent) -> Split + Sync),
+    work: &Work<'_, impl Fn(&mut [Item], &Extent) -> Split + Sync>,
     nodes: &mut Vec<BinaryNode>,
 ) {
     let root = nodes.len();
@@ -84,8 +137,14 @@ fn subtree(
         // So many levels are enough to halve the rest down to single primitives.
         let levels = usize::BITS - (slice.len() - 1).leading_zeros();
         let may_choose = depth + (levels as usize) < MAX_DEPTH;
-        let cut = match split(slice, &Extent::of(slice)) {
-            Split::Leaf => continue,
+        if work.site.is_over() {
+            return;
+        }
+        let cut = match (work.split)(slice, &Extent::of(slice, work.axes)) {
+            Split::Leaf => {
+                work.site.advance(slice.len());
+                continue;
+            }
             Split::At(cut) if may_choose && 0 < cut && cut < slice.len() => range.start + cut,
             Split::At(_) | Split::Halve => range.start + slice.len() / 2,
         };
@@ -97,7 +156,7 @@ fn subtree(
             let (left, right) = items[range.clone()].split_at_mut(cut - range.start);
             let build = |items: &mut [Item], from: usize| {
                 let mut nodes = Vec::new();
-                subtree(items, start + from, depth + 1, split, &mut nodes);
+                subtree(items, start + from, depth + 1, work, &mut nodes);
                 nodes
             };
             let (left, right) = rayon::join(|| build(left, range.start), || build(right, cut));
@@ -142,26 +201,28 @@ fn leaf(items: &[Item], start: usize) -> BinaryNode {
 /// Where the middles of some primitives lie.
 struct Extent {
     around: Aabb,
+    axes: Axes,
 }
 
 impl Extent {
-    fn of(items: &[Item]) -> Self {
+    fn of(items: &[Item], axes: Axes) -> Self {
         #[cfg(feature = "parallel")]
         if items.len() > 16 * SEQUENTIAL {
             let around = items
                 .par_chunks(SEQUENTIAL)
                 .map(|items| Aabb::of(items.iter().map(Item::centroid)))
                 .reduce(|| Aabb::EMPTY, Aabb::union);
-            return Self { around };
+            return Self { around, axes };
         }
         Self {
             around: Aabb::of(items.iter().map(Item::centroid)),
+            axes,
         }
     }
-    /// The longest axis and its length.
+    /// The longest axis that may be divided, and its length.
     fn longest(&self) -> (usize, f32) {
         let size = self.around.size();
-        let axis = size.max_axis();
+        let axis = self.axes.longest(size);
         (axis, size[axis])
     }
 }
