@@ -8,7 +8,7 @@
 //!
 //! *Source.* Wald 2007, *On Fast Construction of SAH-based Bounding Volume Hierarchies*.
 
-use super::{BinaryTree, Extent, Item, Split, bvh_settings, top_down};
+use super::{BinaryTree, Extent, Item, Split, top_down};
 use crate::accel::bvh::tree::MAX_LEAF;
 use crate::accel::limits::unlimited;
 use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};

@@ -5,7 +5,7 @@
 //!
 //! *Cost.* O(n log n): a selection, not a sort, at every level.
 
-use super::{BinaryTree, Split, bvh_settings, top_down};
+use super::{BinaryTree, Split, top_down};
 use crate::accel::bvh::tree::MAX_LEAF;
 use crate::accel::limits::unlimited;
 use crate::accel::settings::Setting;

@@ -24,7 +24,6 @@ macro_rules! bvh_settings {
         }
     };
 }
-use bvh_settings;
 
 mod binned_sah;
 mod median;
