@@ -164,6 +164,12 @@ impl PreparedRay {
         self.scaled
     }
 
+    /// `1 / direction`, and what is subtracted from `plane · inverse` to get where the ray enters and leaves a slab.
+    #[inline(always)]
+    pub(crate) fn slab_terms(&self) -> (Vec3, Vec3, Vec3) {
+        (self.inverse, self.near, self.far)
+    }
+
     /// Where the ray enters and leaves a box, both erring to the outside by the slack; it is entered where
     /// `enter <= leave`. Neither number knows of the ray's interval.
     ///

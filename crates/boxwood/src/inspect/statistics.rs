@@ -1,5 +1,6 @@
 //! What a structure is made of and what it should cost.
 
+use super::Cell;
 use crate::accel::bvh::BinaryTree;
 use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
 use crate::geometry::Aabb;
@@ -40,45 +41,71 @@ impl Statistics {
         }
     }
 
-    /// Of a binary hierarchy.
-    pub fn of_tree(tree: &BinaryTree) -> Self {
+    /// Of the nodes and cells that a structure shows; `bytes` stays 0.
+    pub fn of_cells(
+        primitives: usize,
+        world: Aabb,
+        cells: impl FnOnce(&mut dyn FnMut(&Cell<'_>)),
+    ) -> Self {
         let mut found = Self {
-            primitives: tree.order.len(),
-            references: tree.order.len(),
-            bytes: size_of_val(&*tree.nodes) + size_of_val(&*tree.order),
+            primitives,
             ..Self::default()
         };
         // In double precision: millions of small areas are added up, and squares of 1e30 and 1e-30 are numbers.
         let mut cost = 0.0;
-        let mut open = alloc::vec![(0, 0)];
-        // A tree has each node once; one from elsewhere may run in circles.
-        for _ in 0..tree.nodes.len() {
-            let Some((index, depth)) = open.pop() else {
-                break;
-            };
-            let Some(node) = tree.nodes.get(index) else {
-                continue;
-            };
-            let area = half_area(&node.bounds);
-            found.depth = found.depth.max(depth);
-            if node.is_leaf() {
-                found.leaves += 1;
-                found.largest_leaf = found.largest_leaf.max(node.count as usize);
-                cost += f64::from(PRIMITIVE_COST) * f64::from(node.count) * area;
-            } else {
-                found.nodes += 1;
-                cost += f64::from(NODE_COST) * area;
-                open.extend(node.children().map(|child| (child, depth + 1)));
+        cells(&mut |cell| {
+            found.depth = found.depth.max(cell.depth as usize);
+            let area = half_area(&cell.bounds);
+            match cell.primitives {
+                None => {
+                    found.nodes += 1;
+                    cost += f64::from(NODE_COST) * area;
+                }
+                Some(count) => {
+                    found.leaves += 1;
+                    found.references += count as usize;
+                    found.largest_leaf = found.largest_leaf.max(count as usize);
+                    cost += f64::from(PRIMITIVE_COST) * f64::from(count) * area;
+                }
             }
-        }
-        let root_area = tree
-            .nodes
-            .first()
-            .map_or(0.0, |root| half_area(&root.bounds));
-        if root_area > 0.0 && root_area < f64::INFINITY {
-            found.sah_cost = (cost / root_area) as f32;
+        });
+        let world_area = half_area(&world);
+        if world_area > 0.0 && world_area < f64::INFINITY {
+            found.sah_cost = (cost / world_area) as f32;
         }
         found
+    }
+
+    /// Of a binary hierarchy.
+    pub fn of_tree(tree: &BinaryTree) -> Self {
+        let world = tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds);
+        Self {
+            bytes: size_of_val(&*tree.nodes) + size_of_val(&*tree.order),
+            ..Self::of_cells(tree.order.len(), world, |show| show_tree(tree, show))
+        }
+    }
+}
+
+fn show_tree(tree: &BinaryTree, show: &mut dyn FnMut(&Cell<'_>)) {
+    let mut open = alloc::vec![(0, 0)];
+    // A tree has each node once; one from elsewhere may run in circles.
+    for _ in 0..tree.nodes.len() {
+        let Some((index, depth)) = open.pop() else {
+            break;
+        };
+        let Some(node) = tree.nodes.get(index) else {
+            continue;
+        };
+        show(&Cell {
+            node: index as u32,
+            depth,
+            bounds: node.bounds,
+            primitives: node.is_leaf().then_some(node.count),
+            sides: &[],
+        });
+        if !node.is_leaf() {
+            open.extend(node.children().map(|child| (child, depth + 1)));
+        }
     }
 }
 

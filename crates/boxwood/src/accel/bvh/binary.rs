@@ -1,30 +1,93 @@
-//! The readable layout: the builder's own nodes, one ray, one loop.
+//! The readable layout: one ray, one loop, two boxes at a time.
+//!
+//! *How it works.* An inner node holds the boxes of both its children, plane beside plane, in one cache line: opening it
+//! asks both slab tests at once, four planes an operation. The near child comes next and the far one waits on a stack with
+//! the distance at which the ray enters it.
+//!
+//! *Cost.* 64 bytes per inner node and 4 per primitive.
+//!
+//! *Source.* Aila & Laine 2009, *Understanding the Efficiency of Ray Traversal on GPUs* (children's boxes in the parent).
 
 use super::tree::{BinaryTree, MAX_DEPTH};
+use crate::geometry::pair::{BoxPair, PairRay};
 use crate::geometry::{Aabb, PreparedRay, Ray};
-use crate::inspect::{self, Statistics, TreeFlaw};
+use crate::inspect::{self, Cell, Statistics, TreeFlaw};
 use crate::primitive::{self, Primitives};
-use crate::query::{Counters, Query, Traverse};
+use crate::query::{Counters, Query, Step, Traverse, Verdict};
+use alloc::vec::Vec;
 
 /// A binary hierarchy over owned, borrowed or shared primitives.
 #[derive(Clone, Debug)]
 pub struct Bvh<P> {
     primitives: P,
-    tree: BinaryTree,
+    bounds: Aabb,
+    root: Child,
+    /// Inner nodes: both children's boxes, and what they hold.
+    pairs: Vec<BoxPair>,
+    order: Vec<u32>,
+}
+
+/// What a node's box holds: the pair `first` when `count` is 0, else so many places of the order from `first` on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Child {
+    first: u32,
+    count: u32,
+}
+
+impl Child {
+    fn words(self) -> [u32; 2] {
+        [self.first, self.count]
+    }
+    /// The child on one side of an inner node.
+    #[inline(always)]
+    fn of(pair: &BoxPair, side: usize) -> Self {
+        let [first, count] = pair.words(side);
+        Self { first, count }
+    }
 }
 
 impl<P: Primitives> Bvh<P> {
     /// Takes a tree that a builder of this crate made for these primitives.
     ///
     /// # Panics
-    /// When the tree has another number of primitives. See [`Bvh::checked`] for trees from elsewhere.
+    /// When the tree is for fewer or more primitives. See [`Bvh::checked`] for trees from elsewhere.
     pub fn new(primitives: P, tree: BinaryTree) -> Self {
-        assert_eq!(
-            primitives.len(),
-            tree.order.len(),
-            "a tree for other primitives"
-        );
-        Self { primitives, tree }
+        // Builders that split primitives name some of them more than once.
+        let most = tree.order.iter().max().map_or(0, |&id| id as usize + 1);
+        let fits = most == primitives.len() && tree.nodes.is_empty() == tree.order.is_empty();
+        assert!(fits, "a tree for other primitives");
+        let BinaryTree { nodes, order } = tree;
+        // Every second node begins a pair of children: pair `i` holds the nodes `2 i + 1` and `2 i + 2`.
+        let child = |index: usize| {
+            let node = &nodes[index];
+            let first = if node.is_leaf() {
+                node.first
+            } else {
+                (node.first - 1) / 2
+            };
+            Child {
+                first,
+                count: node.count,
+            }
+        };
+        let pair = |i: usize| {
+            let [a, b] = [2 * i + 1, 2 * i + 2];
+            BoxPair::new(
+                [nodes[a].bounds, nodes[b].bounds],
+                [child(a).words(), child(b).words()],
+            )
+        };
+        Self {
+            primitives,
+            bounds: nodes.first().map_or(Aabb::EMPTY, |root| root.bounds),
+            root: if nodes.is_empty() {
+                Child { first: 0, count: 0 }
+            } else {
+                child(0)
+            },
+            pairs: (0..nodes.len() / 2).map(pair).collect(),
+            order,
+        }
     }
 
     /// Takes a tree from anywhere, and looks at all of it first.
@@ -33,13 +96,9 @@ impl<P: Primitives> Bvh<P> {
     /// The first flaw that [`inspect::validate`] finds.
     pub fn checked(primitives: P, tree: BinaryTree) -> Result<Self, TreeFlaw> {
         inspect::validate(&tree, &primitives)?;
-        Ok(Self { primitives, tree })
+        Ok(Self::new(primitives, tree))
     }
 
-    /// The tree.
-    pub fn tree(&self) -> &BinaryTree {
-        &self.tree
-    }
     /// The primitives.
     pub fn primitives(&self) -> &P {
         &self.primitives
@@ -48,72 +107,167 @@ impl<P: Primitives> Bvh<P> {
 
 impl<P: Primitives> Traverse for Bvh<P> {
     fn bounds(&self) -> Aabb {
-        let root = self.tree.nodes.first();
-        root.map_or(Aabb::EMPTY, |root| root.bounds)
+        self.bounds
     }
 
     fn statistics(&self) -> Statistics {
-        Statistics::of_tree(&self.tree)
+        Statistics {
+            bytes: size_of_val(&*self.pairs) + size_of_val(&*self.order),
+            ..Statistics::of_cells(self.primitives.len(), self.bounds, |show| self.cells(show))
+        }
+    }
+
+    fn cells(&self, show: &mut dyn FnMut(&Cell<'_>)) {
+        if self.order.is_empty() {
+            return;
+        }
+        let mut open = alloc::vec![(0, 0, self.bounds, self.root)];
+        while let Some((node, depth, bounds, child)) = open.pop() {
+            let leaf = child.count > 0;
+            show(&Cell {
+                node,
+                depth,
+                bounds,
+                primitives: leaf.then_some(child.count),
+                sides: &[],
+            });
+            if !leaf {
+                let pair = &self.pairs[child.first as usize];
+                for side in [1, 0] {
+                    let node = 2 * child.first + side as u32 + 1;
+                    open.push((node, depth + 1, pair.bounds(side), Child::of(pair, side)));
+                }
+            }
+        }
     }
 
     fn traverse<Q: Query, C: Counters>(&self, ray: &Ray, query: &mut Q, counters: &mut C) {
-        let Some(ray) = PreparedRay::new(ray, Traverse::bounds(self).scale()) else {
+        let Some(ray) = PreparedRay::new(ray, self.bounds.scale()) else {
             return;
         };
-        let nodes = &self.tree.nodes[..];
-        let mut stack = [(0_u32, 0.0_f32); MAX_DEPTH];
-        let mut pending = 0;
-        let mut current = 0;
-        if nodes.is_empty() || ray.enters(&nodes[0].bounds, query.t_max()).is_none() {
+        if self.order.is_empty() {
             return;
         }
+        let entered = ray.enters(&self.bounds, query.t_max()).is_some();
+        if C::EXPLAINS {
+            explain_root(&ray, &self.bounds, query.t_max(), counters);
+        }
+        if !entered {
+            return;
+        }
+        let slabs = PairRay::new(&ray);
+        // Numbers of nodes as in `cells`, less one: twice the pair, plus the side.
+        let mut stack = [(0_u32, 0.0_f32); MAX_DEPTH];
+        let mut pending = 0;
+        let mut current = self.root;
         loop {
-            let node = &nodes[current];
-            let mut next = None;
-            if node.is_leaf() {
+            if current.count == 0 {
+                counters.node();
+                let index = current.first;
+                let pair = &self.pairs[index as usize];
+                let ([to_a, to_b], [from_a, from_b]) = slabs.slabs(&ray, pair, query.t_max());
+                let (meets_a, meets_b) = (to_a <= from_a, to_b <= from_b);
+                let b_first = meets_b && (!meets_a || (Q::ORDERED && to_b < to_a));
+                if C::EXPLAINS {
+                    explain_pair(&ray, index, pair, b_first, query.t_max(), counters);
+                }
+                if meets_a || meets_b {
+                    if meets_a && meets_b {
+                        let far = if b_first { to_a } else { to_b };
+                        stack[pending] = (2 * index + u32::from(!b_first), far);
+                        pending += 1;
+                    }
+                    current = Child::of(pair, usize::from(b_first));
+                    continue;
+                }
+            } else {
                 counters.leaf();
-                for &id in &self.tree.order[node.places()] {
+                let first = current.first as usize;
+                let places = first..first + current.count as usize;
+                if C::EXPLAINS {
+                    counters.step(Step::Leaf {
+                        node: current.first,
+                        primitives: current.count,
+                    });
+                }
+                for &id in &self.order[places] {
                     if primitive::offer(&self.primitives, id as usize, &ray, query, counters)
                         .is_break()
                     {
                         return;
                     }
                 }
-            } else {
-                counters.node();
-                let [a, b] = node.children();
-                let t_max = query.t_max();
-                let to_a = ray.enters(&nodes[a].bounds, t_max);
-                let to_b = ray.enters(&nodes[b].bounds, t_max);
-                next = match (to_a, to_b) {
-                    (None, None) => None,
-                    (Some(_), None) => Some(a),
-                    (None, Some(_)) => Some(b),
-                    (Some(to_a), Some(to_b)) => {
-                        let a_first = !Q::ORDERED || to_a <= to_b;
-                        let (near, far) = if a_first {
-                            (a, (b as u32, to_b))
-                        } else {
-                            (b, (a as u32, to_a))
-                        };
-                        stack[pending] = far;
-                        pending += 1;
-                        Some(near)
-                    }
-                };
             }
             // A box that is entered exactly at `t_max` may hold an equal hit of a lower primitive: only beyond is passed.
-            while next.is_none() {
+            loop {
                 if pending == 0 {
                     return;
                 }
                 pending -= 1;
-                let (index, entry) = stack[pending];
-                if entry <= query.t_max() {
-                    next = Some(index as usize);
+                let (node, enter) = stack[pending];
+                let dropped = !(enter <= query.t_max());
+                if C::EXPLAINS {
+                    counters.step(Step::Resumed {
+                        node: node + 1,
+                        enter,
+                        dropped,
+                    });
+                }
+                if !dropped {
+                    let pair = &self.pairs[node as usize / 2];
+                    current = Child::of(pair, node as usize % 2);
+                    break;
                 }
             }
-            current = next.unwrap_or(0);
         }
+    }
+}
+
+/// What became of a box, in words.
+fn verdict(ray: &PreparedRay, enter: f32, leave: f32, t_max: f32, first: bool) -> Verdict {
+    if !(enter <= leave) {
+        Verdict::Missed
+    } else if !(ray.t_min <= leave) {
+        Verdict::Behind
+    } else if !(enter <= t_max) {
+        Verdict::Beyond
+    } else if first {
+        Verdict::Opened
+    } else {
+        Verdict::Deferred
+    }
+}
+
+#[cold]
+fn explain_root<C: Counters>(ray: &PreparedRay, bounds: &Aabb, t_max: f32, counters: &mut C) {
+    let (enter, leave) = ray.slabs(bounds);
+    counters.step(Step::Box {
+        node: 0,
+        bounds: *bounds,
+        enter,
+        leave,
+        verdict: verdict(ray, enter, leave, t_max, true),
+    });
+}
+
+#[cold]
+fn explain_pair<C: Counters>(
+    ray: &PreparedRay,
+    index: u32,
+    pair: &BoxPair,
+    b_first: bool,
+    t_max: f32,
+    counters: &mut C,
+) {
+    for side in [usize::from(b_first), usize::from(!b_first)] {
+        let bounds = pair.bounds(side);
+        let (enter, leave) = ray.slabs(&bounds);
+        counters.step(Step::Box {
+            node: 2 * index + side as u32 + 1,
+            bounds,
+            enter,
+            leave,
+            verdict: verdict(ray, enter, leave, t_max, side == usize::from(b_first)),
+        });
     }
 }
