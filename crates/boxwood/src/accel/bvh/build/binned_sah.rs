@@ -2,7 +2,8 @@
 //!
 //! *How it works.* On each axis the primitives fall into equal bins by their middles; one sweep from either side gives the
 //! cost of cutting between any two bins. The cheapest cut of the three axes is taken, unless keeping the primitives
-//! together is cheaper and they are few enough for a leaf.
+//! together is cheaper and they are few enough for a leaf. A handful of primitives is sorted instead, and every cut
+//! between two of them is tried.
 //!
 //! *Cost.* O(n log n), three bin look-ups per primitive and level.
 //!
@@ -69,20 +70,14 @@ impl BinnedSah {
     }
 
     fn split(&self, items: &mut [Item], extent: &Extent) -> Split {
-        if items.len() < 2 {
-            return Split::Leaf;
-        }
-        let grid = Bins::new(self.bins, extent);
-        let filled = grid.fill(items);
-        let mut best: Option<Cut> = None;
-        for axis in self.axes.iter() {
-            if let Some(cut) = filled.cheapest_cut(axis, self.bins)
-                && best.as_ref().is_none_or(|best| cut.is_better(best))
-            {
-                best = Some(cut);
-            }
-        }
-        let Some(cut) = best else {
+        let (cut, bins) = match items.len() {
+            0 | 1 => return Split::Leaf,
+            2..=FEW => (cheapest_of_few(items, self.axes), None),
+            // Most nodes are small, and clearing bins that nobody asked for would take longer than filling the others.
+            _ if self.bins <= 16 => self.cheapest_of_bins::<16>(items, extent),
+            _ => self.cheapest_of_bins::<MAX_BINS>(items, extent),
+        };
+        let Some(cut) = cut else {
             return if items.len() <= self.max_leaf {
                 Split::Leaf
             } else {
@@ -97,21 +92,90 @@ impl BinnedSah {
                 return Split::Leaf;
             }
         }
+        let Some(bins) = bins else {
+            items.sort_unstable_by(|a, b| by_middle(a, b, cut.axis));
+            return Split::At(cut.place);
+        };
         let mut left = 0;
         for i in 0..items.len() {
-            if grid.bin(&items[i], cut.axis) < cut.plane {
+            if bins.bin(&items[i], cut.axis) < cut.place {
                 items.swap(i, left);
                 left += 1;
             }
         }
         Split::At(left)
     }
+
+    fn cheapest_of_bins<const N: usize>(
+        &self,
+        items: &[Item],
+        extent: &Extent,
+    ) -> (Option<Cut>, Option<Bins>) {
+        let bins = Bins::new(self.bins, extent);
+        let filled = bins.fill::<N>(items);
+        let mut best = None;
+        for axis in self.axes.iter() {
+            filled.cheapest_cut(axis, self.bins, &mut best);
+        }
+        (best, Some(bins))
+    }
+}
+
+/// Up to so many primitives are sorted, and every cut between two of them is tried.
+const FEW: usize = 8;
+
+/// The order along an axis.
+fn by_middle(a: &Item, b: &Item, axis: usize) -> core::cmp::Ordering {
+    let (at_a, at_b) = (a.centroid()[axis], b.centroid()[axis]);
+    at_a.total_cmp(&at_b).then(a.id.cmp(&b.id))
+}
+
+/// The cheapest cut between at most [`FEW`] primitives, put in order along an axis: `place` is how many lie before it.
+fn cheapest_of_few(items: &[Item], axes: Axes) -> Option<Cut> {
+    let n = items.len();
+    let mut best = None;
+    for axis in axes.iter() {
+        // Numbers are sorted, not items, which are seven times as large.
+        let mut sorted: [u8; FEW] = core::array::from_fn(|i| i as u8);
+        let sorted = &mut sorted[..n];
+        let item = |place: u8| &items[usize::from(place)];
+        for i in 1..n {
+            let mut k = i;
+            while k > 0 && by_middle(item(sorted[k]), item(sorted[k - 1]), axis).is_lt() {
+                sorted.swap(k, k - 1);
+                k -= 1;
+            }
+        }
+        let mut right_cost = [0.0; FEW];
+        let mut right = Sides::EMPTY;
+        for i in (1..n).rev() {
+            right = right.around(&Sides::of(&item(sorted[i]).bounds));
+            right_cost[i] = right.half_area() * (n - i) as f32;
+        }
+        let whole_area = right
+            .around(&Sides::of(&item(sorted[0]).bounds))
+            .half_area();
+        let mut left = Sides::EMPTY;
+        for place in 1..n {
+            left = left.around(&Sides::of(&item(sorted[place - 1]).bounds));
+            let cut = Cut {
+                axis,
+                place,
+                cost: left.half_area() * place as f32 + right_cost[place],
+                whole_area,
+                smaller_half: place.min(n - place) as u32,
+            };
+            cut.replace_if_better(&mut best);
+        }
+    }
+    best
 }
 
 /// Where to cut, and what it costs in areas times primitives.
 struct Cut {
     axis: usize,
-    plane: usize,
+    /// How many bins, or primitives, lie before it.
+    place: usize,
     cost: f32,
     whole_area: f32,
     /// How many primitives lie on the side that has fewer.
@@ -119,10 +183,47 @@ struct Cut {
 }
 
 impl Cut {
-    /// Cheaper, or as cheap and more even: boxes along a line have no area, and all cuts through them cost nothing.
-    fn is_better(&self, other: &Self) -> bool {
-        self.cost < other.cost
-            || (self.cost == other.cost && self.smaller_half > other.smaller_half)
+    /// Takes the place of one that is dearer, or as dear and less even: boxes along a line have no area, and all cuts
+    /// through them cost nothing.
+    fn replace_if_better(self, best: &mut Option<Self>) {
+        let better = best.as_ref().is_none_or(|best| {
+            self.cost < best.cost
+                || (self.cost == best.cost && self.smaller_half > best.smaller_half)
+        });
+        if better {
+            *best = Some(self);
+        }
+    }
+}
+
+/// A box as four lanes of lower planes and four of negated upper ones: all of it grows by one minimum.
+#[derive(Clone, Copy)]
+struct Sides([f32; 8]);
+
+impl Sides {
+    const EMPTY: Self = Self([f32::INFINITY; 8]);
+
+    #[inline(always)]
+    fn of(b: &Aabb) -> Self {
+        let (l, u) = (b.lower, b.upper);
+        Self([l.x, l.y, l.z, 0.0, -u.x, -u.y, -u.z, 0.0])
+    }
+    #[inline(always)]
+    fn around(&self, other: &Self) -> Self {
+        let mut sides = self.0;
+        for (mine, &theirs) in sides.iter_mut().zip(&other.0) {
+            *mine = if theirs < *mine { theirs } else { *mine };
+        }
+        Self(sides)
+    }
+    #[inline(always)]
+    fn half_area(&self) -> f32 {
+        let size = |k: usize| {
+            let size = -self.0[k + 4] - self.0[k];
+            if size > 0.0 { size } else { 0.0 }
+        };
+        let (x, y, z) = (size(0), size(1), size(2));
+        x * y + y * z + z * x
     }
 }
 
@@ -133,10 +234,6 @@ struct Bins {
     /// Bins per world unit; 0 where all middles are one.
     scale: Vec3,
 }
-
-/// What fell into the bins: bounds and number, by axis.
-#[derive(Clone)]
-struct Filled([[(Aabb, u32); MAX_BINS]; 3]);
 
 impl Bins {
     fn new(bins: usize, extent: &Extent) -> Self {
@@ -157,10 +254,10 @@ impl Bins {
     fn bin(&self, item: &Item, axis: usize) -> usize {
         // A NaN (from an infinite box) becomes 0.
         let place = (item.centroid()[axis] - self.lower[axis]) * self.scale[axis];
-        (place as usize).min(self.bins - 1)
+        (place as i32 as usize).min(self.bins - 1)
     }
 
-    fn fill(&self, items: &[Item]) -> Filled {
+    fn fill<const N: usize>(&self, items: &[Item]) -> Filled<N> {
         #[cfg(feature = "parallel")]
         if items.len() > 16 * super::SEQUENTIAL {
             // Unions and sums of whole numbers: the order does not count.
@@ -172,63 +269,75 @@ impl Bins {
         self.fill_some(items)
     }
 
-    fn fill_some(&self, items: &[Item]) -> Filled {
+    fn fill_some<const N: usize>(&self, items: &[Item]) -> Filled<N> {
         let mut filled = Filled::empty();
         for item in items {
+            let sides = Sides::of(&item.bounds);
             for axis in 0..3 {
-                let (bounds, count) = &mut filled.0[axis][self.bin(item, axis)];
-                (*bounds, *count) = (bounds.union(item.bounds), *count + 1);
+                let bin = self.bin(item, axis);
+                filled.sides[axis][bin] = filled.sides[axis][bin].around(&sides);
+                filled.counts[axis][bin] += 1;
             }
         }
         filled
     }
 }
 
-impl Filled {
+/// What fell into at most `N` bins: bounds and number, by axis.
+struct Filled<const N: usize> {
+    sides: [[Sides; N]; 3],
+    counts: [[u32; N]; 3],
+}
+
+impl<const N: usize> Filled<N> {
     fn empty() -> Self {
-        Self([[(Aabb::EMPTY, 0); MAX_BINS]; 3])
+        Self {
+            sides: [[Sides::EMPTY; N]; 3],
+            counts: [[0; N]; 3],
+        }
     }
 
     #[cfg(feature = "parallel")]
     fn merge(mut self, other: Self) -> Self {
-        for (mine, theirs) in self.0.iter_mut().flatten().zip(other.0.iter().flatten()) {
-            *mine = (mine.0.union(theirs.0), mine.1 + theirs.1);
+        let sides = self.sides.as_flattened_mut().iter_mut();
+        for (mine, theirs) in sides.zip(other.sides.as_flattened()) {
+            *mine = mine.around(theirs);
+        }
+        let counts = self.counts.as_flattened_mut().iter_mut();
+        for (mine, theirs) in counts.zip(other.counts.as_flattened()) {
+            *mine += theirs;
         }
         self
     }
 
-    /// The cheapest cut on one axis that leaves something on both sides; `None` when all lie in one bin.
-    fn cheapest_cut(&self, axis: usize, bins: usize) -> Option<Cut> {
-        let filled = &self.0[axis];
-        let mut right_cost = [0.0; MAX_BINS];
-        let mut right = (Aabb::EMPTY, 0);
+    /// The cheapest cut on one axis that leaves something on both sides, if it is better than the best so far.
+    fn cheapest_cut(&self, axis: usize, bins: usize, best: &mut Option<Cut>) {
+        let (sides, counts) = (&self.sides[axis], &self.counts[axis]);
+        let mut right_cost = [0.0; N];
+        let (mut right, mut behind) = (Sides::EMPTY, 0);
         for i in (1..bins).rev() {
-            right = (right.0.union(filled[i].0), right.1 + filled[i].1);
-            right_cost[i] = right.0.half_area() * right.1 as f32;
+            right = right.around(&sides[i]);
+            behind += counts[i];
+            right_cost[i] = right.half_area() * behind as f32;
         }
-        let total = right.1 + filled[0].1;
-        let whole_area = right.0.union(filled[0].0).half_area();
-        let mut best: Option<Cut> = None;
-        let mut left = (Aabb::EMPTY, 0);
-        for plane in 1..bins {
-            let (bounds, count) = filled[plane - 1];
-            left = (left.0.union(bounds), left.1 + count);
-            if left.1 == 0 || left.1 == total {
+        let total = behind + counts[0];
+        let whole_area = right.around(&sides[0]).half_area();
+        let (mut left, mut before) = (Sides::EMPTY, 0);
+        for place in 1..bins {
+            left = left.around(&sides[place - 1]);
+            before += counts[place - 1];
+            if before == 0 || before == total {
                 continue;
             }
-            let cost = left.0.half_area() * left.1 as f32 + right_cost[plane];
             let cut = Cut {
                 axis,
-                plane,
-                cost,
+                place,
+                cost: left.half_area() * before as f32 + right_cost[place],
                 whole_area,
-                smaller_half: left.1.min(total - left.1),
+                smaller_half: before.min(total - before),
             };
-            if best.as_ref().is_none_or(|best| cut.is_better(best)) {
-                best = Some(cut);
-            }
+            cut.replace_if_better(best);
         }
-        best
     }
 }
 
