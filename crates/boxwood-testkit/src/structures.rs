@@ -15,10 +15,16 @@ const TABLE: &[&str] = &[
     "bvh:binned,bins=2,leaf=1",
     "bvh:binned,leaf=64",
     "bvh:binned,axes=y",
+    "kd:sah",
+    "kd:sah,leaf=1,empty=0.8,depth=64,budget=40",
+    "kd:sah,leaf=64,depth=3,budget=1,axes=xy",
+    "kd:lecture",
+    "kd:lecture,leaf=1,axis=longest,split=median,budget=40",
+    "kd:lecture,depth=64,split=median,axes=xy",
 ];
 
 /// Those that are also built by 1, 2 and 3 threads, whatever pool the test runs in.
-const THREADED: &[&str] = &["bvh:binned"];
+const THREADED: &[&str] = &["bvh:binned", "kd:sah"];
 
 /// A structure of the table.
 #[derive(Clone, Copy, Debug)]

@@ -2,6 +2,7 @@
 
 use super::brute_force::Exhaustive;
 use super::bvh::{BinnedSah, Median};
+use super::kd_tree::{KdLecture, KdSah};
 use super::settings::{self, Settings};
 use super::{BuildError, Limits, limits};
 use crate::primitive::Primitives;
@@ -97,10 +98,14 @@ kinds! {
     Median(Median),
     /// [`Bvh`](super::bvh::Bvh) over [`BinnedSah`].
     Binned(BinnedSah),
+    /// [`KdTree`](super::kd_tree::KdTree) over [`KdSah`].
+    KdSah(KdSah),
+    /// [`KdTree`](super::kd_tree::KdTree) over [`KdLecture`].
+    KdLecture(KdLecture),
 }
 
 /// What a name without a method means.
-const DEFAULT_METHODS: [(&str, &str); 1] = [("bvh", "binned")];
+const DEFAULT_METHODS: [(&str, &str); 2] = [("bvh", "binned"), ("kd", "sah")];
 
 impl Default for StructureKind {
     fn default() -> Self {

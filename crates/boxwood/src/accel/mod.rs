@@ -5,6 +5,8 @@
 //! | [`BruteForce`](brute_force::BruteForce) | none | judging the others; a handful of primitives |
 //! | [`Bvh`](bvh::Bvh) over [`BinnedSah`](bvh::BinnedSah) | O(n log n) | everything: the default |
 //! | [`Bvh`](bvh::Bvh) over [`Median`](bvh::Median) | O(n log n) | learning: the simplest tree that works |
+//! | [`KdTree`](kd_tree::KdTree) over [`KdSah`](kd_tree::KdSah) | O(n log n) | scenes of walls and rooms; seeing space divided at its best |
+//! | [`KdTree`](kd_tree::KdTree) over [`KdLecture`](kd_tree::KdLecture) | O(n log n) | learning: axis in turn, plane in the middle |
 //!
 //! Every builder is its settings as a value; `build` cannot fail, `build_within` obeys [`Limits`].
 
@@ -12,6 +14,7 @@ mod axes;
 pub mod brute_force;
 pub mod bvh;
 mod cells;
+pub mod kd_tree;
 mod kind;
 mod limits;
 pub mod sah;

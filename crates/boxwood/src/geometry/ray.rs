@@ -128,7 +128,8 @@ impl PreparedRay {
         let floor = U * d[kz].abs();
         let raise = |x: f32| {
             if x.abs() < floor {
-                floor.copysign(x)
+                // Not the sign's bit: `crossing` counts a zero of either sign as going up.
+                if x < 0.0 { -floor } else { floor }
             } else {
                 x
             }
@@ -231,6 +232,13 @@ impl PreparedRay {
         }
         let at = plane * self.inverse[axis];
         (at - self.near[axis], at - self.far[axis])
+    }
+
+    /// What [`Self::crossing`] computes with for a tame ray, by axis: `plane · [0] − [1]` and `plane · [0] − [2]`.
+    #[inline(always)]
+    pub(crate) fn crossings(&self) -> [[f32; 3]; 3] {
+        let (i, n, f) = (self.inverse, self.near, self.far);
+        [[i.x, n.x, f.x], [i.y, n.y, f.y], [i.z, n.z, f.z]]
     }
 
     #[cold]
