@@ -15,10 +15,14 @@ const TABLE: &[&str] = &[
     "bvh:binned,bins=2,leaf=1",
     "bvh:binned,leaf=64",
     "bvh:binned,axes=y",
+    "octree",
+    "octree:leaf=1,depth=24",
+    "octree:leaf=64,depth=1",
+    "octree:axes=xy",
 ];
 
 /// Those that are also built by 1, 2 and 3 threads, whatever pool the test runs in.
-const THREADED: &[&str] = &["bvh:binned"];
+const THREADED: &[&str] = &["bvh:binned", "octree"];
 
 /// A structure of the table.
 #[derive(Clone, Copy, Debug)]

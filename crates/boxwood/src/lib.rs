@@ -36,6 +36,7 @@ pub mod query;
 
 pub use accel::brute_force::BruteForce;
 pub use accel::bvh::{BinaryTree, BinnedSah, Bvh, Median};
+pub use accel::octree::{Octree, OctreeBuilder, OctreeData};
 pub use accel::{Axes, BuildError, Limits, StructureKind, UnknownStructure};
 pub use geometry::implicit::{Enclosure, Formula, Implicit, ImplicitSurface, Segment};
 pub use geometry::real::Real;

@@ -2,6 +2,7 @@
 
 use super::brute_force::Exhaustive;
 use super::bvh::{BinnedSah, Median};
+use super::octree::OctreeBuilder;
 use super::settings::{self, Settings};
 use super::{BuildError, Limits, limits};
 use crate::primitive::Primitives;
@@ -97,6 +98,8 @@ kinds! {
     Median(Median),
     /// [`Bvh`](super::bvh::Bvh) over [`BinnedSah`].
     Binned(BinnedSah),
+    /// [`Octree`](super::octree::Octree).
+    Octree(OctreeBuilder),
 }
 
 /// What a name without a method means.

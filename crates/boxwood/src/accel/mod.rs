@@ -5,6 +5,7 @@
 //! | [`BruteForce`](brute_force::BruteForce) | none | judging the others; a handful of primitives |
 //! | [`Bvh`](bvh::Bvh) over [`BinnedSah`](bvh::BinnedSah) | O(n log n) | everything: the default |
 //! | [`Bvh`](bvh::Bvh) over [`Median`](bvh::Median) | O(n log n) | learning: the simplest tree that works |
+//! | [`Octree`](octree::Octree) over [`OctreeBuilder`](octree::OctreeBuilder) | O(n log n) | the classic division of space; scenes of evenly sized things |
 //!
 //! Every builder is its settings as a value; `build` cannot fail, `build_within` obeys [`Limits`].
 
@@ -14,6 +15,7 @@ pub mod bvh;
 mod cells;
 mod kind;
 mod limits;
+pub mod octree;
 pub mod sah;
 mod settings;
 

@@ -128,7 +128,8 @@ impl PreparedRay {
         let floor = U * d[kz].abs();
         let raise = |x: f32| {
             if x.abs() < floor {
-                floor.copysign(x)
+                // Not the sign's bit: `crossing` counts a zero of either sign as going up.
+                if x < 0.0 { -floor } else { floor }
             } else {
                 x
             }
