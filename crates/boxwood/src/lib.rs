@@ -35,6 +35,7 @@ pub mod primitive;
 pub mod query;
 
 pub use accel::brute_force::BruteForce;
+pub use accel::bsp_tree::{BspData, BspSah, BspTree};
 pub use accel::bvh::{BinaryTree, BinnedSah, Bvh, Median};
 pub use accel::octree::{Octree, OctreeBuilder, OctreeData};
 pub use accel::{Axes, BuildError, Limits, StructureKind, UnknownStructure};

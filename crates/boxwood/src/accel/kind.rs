@@ -1,6 +1,7 @@
 //! Names for structures and their settings: what the command line and Python speak.
 
 use super::brute_force::Exhaustive;
+use super::bsp_tree::BspSah;
 use super::bvh::{BinnedSah, Median};
 use super::octree::OctreeBuilder;
 use super::settings::{self, Settings};
@@ -100,6 +101,8 @@ kinds! {
     Binned(BinnedSah),
     /// [`Octree`](super::octree::Octree).
     Octree(OctreeBuilder),
+    /// [`BspTree`](super::bsp_tree::BspTree).
+    Bsp(BspSah),
 }
 
 /// What a name without a method means.

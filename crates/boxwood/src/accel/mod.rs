@@ -6,11 +6,13 @@
 //! | [`Bvh`](bvh::Bvh) over [`BinnedSah`](bvh::BinnedSah) | O(n log n) | everything: the default |
 //! | [`Bvh`](bvh::Bvh) over [`Median`](bvh::Median) | O(n log n) | learning: the simplest tree that works |
 //! | [`Octree`](octree::Octree) over [`OctreeBuilder`](octree::OctreeBuilder) | O(n log n) | the classic division of space; scenes of evenly sized things |
+//! | [`BspTree`](bsp_tree::BspTree) over [`BspSah`](bsp_tree::BspSah) | O(n log n), large factor | the fewest tests per ray; meshes that are built once |
 //!
 //! Every builder is its settings as a value; `build` cannot fail, `build_within` obeys [`Limits`].
 
 mod axes;
 pub mod brute_force;
+pub mod bsp_tree;
 pub mod bvh;
 mod cells;
 mod kind;

@@ -192,7 +192,10 @@ impl<P: Primitives + Sync> Work<'_, P> {
     ) {
         let count = items.len() - start;
         let masks = part.masks.len();
-        if count <= self.leaf || !self.may_divide(cell) || !self.grow(&mut part.masks, count) {
+        if count <= self.leaf
+            || !self.may_divide(cell)
+            || !self.site.reserve(&mut part.masks, count)
+        {
             return self.make_leaf(&items[start..], cell, root, part);
         }
         self.mark(&items[start..], cell, &mut part.masks);
@@ -203,7 +206,10 @@ impl<P: Primitives + Sync> Work<'_, P> {
         };
         let existing = (0..8).fold(0, |mask, i| mask | u8::from(counts[i] > 0) << i);
         let first = part.nodes.len();
-        if !self.grow(&mut part.nodes, existing.count_ones() as usize) {
+        if !self
+            .site
+            .reserve(&mut part.nodes, existing.count_ones() as usize)
+        {
             return;
         }
         part.nodes
@@ -227,13 +233,13 @@ impl<P: Primitives + Sync> Work<'_, P> {
                 .map(|octant| {
                     let mut below = Part::default();
                     let mut mine = Vec::new();
-                    if self.grow(&mut mine, counts[octant]) {
+                    if self.site.reserve(&mut mine, counts[octant]) {
                         choose(&items[start..], &part.masks[masks..], octant, &mut mine);
                         below.nodes.push(Node::leaf(0, 0));
                         self.divide(&mut mine, 0, &child(octant), 0, &mut below);
                     }
-                    self.shrink(mine);
-                    self.shrink(core::mem::take(&mut below.masks));
+                    self.site.release(mine);
+                    self.site.release(core::mem::take(&mut below.masks));
                     below
                 })
                 .collect();
@@ -245,7 +251,7 @@ impl<P: Primitives + Sync> Work<'_, P> {
         }
         for (i, octant) in octants.enumerate() {
             let end = items.len();
-            if !self.grow(items, counts[octant]) {
+            if !self.site.reserve(items, counts[octant]) {
                 return;
             }
             for k in start..end {
@@ -357,7 +363,7 @@ impl<P: Primitives + Sync> Work<'_, P> {
     }
 
     fn make_leaf(&self, items: &[Item], cell: &Cell, root: usize, part: &mut Part) {
-        if !self.grow(&mut part.references, items.len()) {
+        if !self.site.reserve(&mut part.references, items.len()) {
             return;
         }
         part.nodes[root] = Node::leaf(part.references.len() as u32, items.len() as u32);
@@ -372,8 +378,10 @@ impl<P: Primitives + Sync> Work<'_, P> {
             return;
         };
         let (nodes, references) = (part.nodes.len(), part.references.len());
-        if !self.grow(&mut part.nodes, others.len())
-            || !self.grow(&mut part.references, below.references.len())
+        if !self.site.reserve(&mut part.nodes, others.len())
+            || !self
+                .site
+                .reserve(&mut part.references, below.references.len())
         {
             return;
         }
@@ -382,29 +390,8 @@ impl<P: Primitives + Sync> Work<'_, P> {
         let moved = others.iter().map(|node| node.moved(nodes - 1, references));
         part.nodes.extend(moved);
         part.references.extend_from_slice(&below.references);
-        self.shrink(below.nodes);
-        self.shrink(below.references);
-    }
-
-    /// Makes room for more, and counts it; `false` when there is none, and the build is over.
-    fn grow<T>(&self, list: &mut Vec<T>, more: usize) -> bool {
-        let needed = list.len() + more;
-        let old = list.capacity();
-        if needed <= old {
-            return true;
-        }
-        let new = needed.max(old + old / 2).max(64);
-        if !self.site.take(new.saturating_mul(size_of::<T>())) {
-            return false;
-        }
-        list.reserve_exact(new - list.len());
-        self.site.give(old * size_of::<T>());
-        true
-    }
-
-    #[cfg(feature = "parallel")]
-    fn shrink<T>(&self, list: Vec<T>) {
-        self.site.give(list.capacity() * size_of::<T>());
+        self.site.release(below.nodes);
+        self.site.release(below.references);
     }
 }
 

@@ -6,7 +6,7 @@
 //! conditions, so it contains `t`, and a child is passed over only where its interval, cut to the ray's, is empty.
 
 use super::MAX_DEPTH;
-use super::node::{OctreeData, rank};
+use super::node::{OctreeData, Place, rank};
 use crate::accel::cells::Mailbox;
 use crate::geometry::{Aabb, PreparedRay, Ray, Vec3};
 use crate::inspect::{Cell, Statistics};
@@ -225,8 +225,24 @@ impl<P: Primitives> Traverse for Octree<P> {
                         -quarter
                     };
                 }
-                if enter <= query.t_max() {
-                    number = open.first + rank(open.mask, octant);
+                let child = open.first + rank(open.mask, octant);
+                let beyond = enter > query.t_max();
+                if C::EXPLAINS {
+                    let half = half * scale;
+                    counters.step(Step::Box {
+                        node: child,
+                        bounds: Place { middle, half }.bounds(&space.world),
+                        enter,
+                        leave,
+                        verdict: if beyond {
+                            Verdict::Beyond
+                        } else {
+                            Verdict::Opened
+                        },
+                    });
+                }
+                if !beyond {
+                    number = child;
                     break;
                 }
             }
