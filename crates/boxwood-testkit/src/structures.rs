@@ -25,6 +25,18 @@ const TABLE: &[&str] = &[
 
 /// Those that are also built by 1, 2 and 3 threads, whatever pool the test runs in.
 const THREADED: &[&str] = &["bvh:binned", "kd:sah"];
+    "octree",
+    "octree:leaf=1,depth=24",
+    "octree:leaf=64,depth=1",
+    "octree:axes=xy",
+    "bsp",
+    "bsp:leaf=64,depth=3",
+    "bsp:limit=0,budget=3",
+    "bsp:axes=xy",
+];
+
+/// Those that are also built by 1, 2 and 3 threads, whatever pool the test runs in.
+const THREADED: &[&str] = &["bvh:binned", "octree", "bsp"];
 
 /// A structure of the table.
 #[derive(Clone, Copy, Debug)]

@@ -64,6 +64,16 @@ impl Space {
         space
     }
 
+    /// Whether primitives are held against cells by more than their boxes.
+    pub fn is_exact<P: Primitives>(&self) -> bool {
+        self.exact && P::WITHIN_SLACK
+    }
+
+    /// How much larger a cell is than its planes say.
+    pub fn pad(&self) -> f32 {
+        self.pad
+    }
+
     /// A cell as primitives are held against it.
     #[inline]
     pub fn padded(&self, cell: &Aabb) -> Aabb {
@@ -77,7 +87,7 @@ impl Space {
     #[inline]
     pub fn holds<P: Primitives>(&self, primitives: &P, i: usize, cell: &Aabb) -> bool {
         let cell = self.padded(cell);
-        if self.exact && P::WITHIN_SLACK {
+        if self.is_exact::<P>() {
             primitives.overlaps(i, &cell)
         } else {
             !primitives.bounds(i).intersection(cell).is_empty()
@@ -88,7 +98,7 @@ impl Space {
     #[inline]
     pub fn part<P: Primitives>(&self, primitives: &P, i: usize, cell: &Aabb) -> Aabb {
         let cell = self.padded(cell);
-        if self.exact && P::WITHIN_SLACK {
+        if self.is_exact::<P>() {
             primitives.clipped_bounds(i, &cell)
         } else {
             primitives.bounds(i).intersection(cell)

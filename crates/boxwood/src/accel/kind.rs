@@ -1,8 +1,10 @@
 //! Names for structures and their settings: what the command line and Python speak.
 
 use super::brute_force::Exhaustive;
+use super::bsp_tree::BspSah;
 use super::bvh::{BinnedSah, Median};
 use super::kd_tree::{KdLecture, KdSah};
+use super::octree::OctreeBuilder;
 use super::settings::{self, Settings};
 use super::{BuildError, Limits, limits};
 use crate::primitive::Primitives;
@@ -102,6 +104,10 @@ kinds! {
     KdSah(KdSah),
     /// [`KdTree`](super::kd_tree::KdTree) over [`KdLecture`].
     KdLecture(KdLecture),
+    /// [`Octree`](super::octree::Octree).
+    Octree(OctreeBuilder),
+    /// [`BspTree`](super::bsp_tree::BspTree).
+    Bsp(BspSah),
 }
 
 /// What a name without a method means.

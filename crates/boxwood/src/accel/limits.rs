@@ -3,6 +3,7 @@
 //! *How it works.* [`Limits`] is the caller's side. A builder makes a [`Site`] of them: it tells the site what memory it is
 //! about to take and how much work is done, and stops where the site says so. Threads may share a site.
 
+use alloc::vec::Vec;
 use core::fmt;
 use core::ops::ControlFlow;
 use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
@@ -109,6 +110,26 @@ impl<'a> Site<'a> {
     /// Counts bytes that were given back.
     pub fn give(&self, bytes: usize) {
         self.used.fetch_sub(bytes, Relaxed);
+    }
+
+    /// Makes room in a list for more, and counts it; `false` when there is none, and the build is over.
+    pub fn reserve<T>(&self, list: &mut Vec<T>, more: usize) -> bool {
+        let (needed, old) = (list.len() + more, list.capacity());
+        if needed <= old {
+            return true;
+        }
+        let new = needed.max(old + old / 2).max(16);
+        if !self.take(new.saturating_mul(size_of::<T>())) {
+            return false;
+        }
+        list.reserve_exact(new - list.len());
+        self.give(old * size_of::<T>());
+        true
+    }
+
+    /// Gives back what was [reserved](Self::reserve) for a list.
+    pub fn release<T>(&self, list: Vec<T>) {
+        self.give(list.capacity() * size_of::<T>());
     }
 
     /// Bytes that may still be taken.

@@ -7,16 +7,20 @@
 //! | [`Bvh`](bvh::Bvh) over [`Median`](bvh::Median) | O(n log n) | learning: the simplest tree that works |
 //! | [`KdTree`](kd_tree::KdTree) over [`KdSah`](kd_tree::KdSah) | O(n log n) | scenes of walls and rooms; seeing space divided at its best |
 //! | [`KdTree`](kd_tree::KdTree) over [`KdLecture`](kd_tree::KdLecture) | O(n log n) | learning: axis in turn, plane in the middle |
+//! | [`Octree`](octree::Octree) over [`OctreeBuilder`](octree::OctreeBuilder) | O(n log n) | the classic division of space; scenes of evenly sized things |
+//! | [`BspTree`](bsp_tree::BspTree) over [`BspSah`](bsp_tree::BspSah) | O(n log n), large factor | the fewest tests per ray; meshes that are built once |
 //!
 //! Every builder is its settings as a value; `build` cannot fail, `build_within` obeys [`Limits`].
 
 mod axes;
 pub mod brute_force;
+pub mod bsp_tree;
 pub mod bvh;
 mod cells;
 pub mod kd_tree;
 mod kind;
 mod limits;
+pub mod octree;
 pub mod sah;
 mod settings;
 

@@ -2,7 +2,7 @@
 
 use super::{Primitives, Surfaces};
 use crate::geometry::shape::ShapeError;
-use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Surface};
+use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Surface, Vec3};
 use crate::query::{Counters, Query};
 use core::ops::ControlFlow;
 
@@ -63,6 +63,12 @@ impl<A: Primitives, B: Primitives> Primitives for Chain<A, B> {
         match i.checked_sub(self.a.len()) {
             None => self.a.clipped_bounds(i, within),
             Some(i) => self.b.clipped_bounds(i, within),
+        }
+    }
+    fn corners(&self, i: usize) -> Option<[Vec3; 3]> {
+        match i.checked_sub(self.a.len()) {
+            None => self.a.corners(i),
+            Some(i) => self.b.corners(i),
         }
     }
     #[inline]

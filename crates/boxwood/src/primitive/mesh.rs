@@ -206,6 +206,9 @@ impl Primitives for TriangleMesh {
     fn overlaps(&self, i: usize, within: &Aabb) -> bool {
         overlap::overlaps(self.triangle(i), within)
     }
+    fn corners(&self, i: usize) -> Option<[Vec3; 3]> {
+        Some(self.triangle(i))
+    }
     fn object_end(&self, i: usize) -> usize {
         // The number of ends that are not beyond `i` is the number of the object.
         let object = self.object_ends.partition_point(|&end| end as usize <= i);

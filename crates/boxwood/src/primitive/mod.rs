@@ -10,7 +10,7 @@ pub use shapes::{
     Cuboids, Cylinders, Discs, ImplicitSurfaces, OrientedCuboids, Planes, Shapes, Spheres, Tori,
 };
 
-use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Surface};
+use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Surface, Vec3};
 use crate::query::{Counters, Query, Step};
 use alloc::sync::Arc;
 use core::ops::ControlFlow::{self, Continue};
@@ -36,6 +36,11 @@ pub trait Primitives {
     /// Whether primitive `i` and a box may share a point: exact for triangles, by their boxes for anything else.
     fn overlaps(&self, i: usize, within: &Aabb) -> bool {
         !self.bounds(i).intersection(*within).is_empty()
+    }
+    /// The corners of primitive `i` where it is a triangle; `None` for anything else. Structures that divide space by
+    /// slanted planes find them here.
+    fn corners(&self, _i: usize) -> Option<[Vec3; 3]> {
+        None
     }
     /// One past the last primitive of the object that primitive `i` belongs to: objects are runs of primitives, such as
     /// the placed meshes of a scene. By default each primitive is an object.
@@ -152,6 +157,10 @@ macro_rules! forward {
             #[inline]
             fn overlaps(&self, i: usize, within: &Aabb) -> bool {
                 (**self).overlaps(i, within)
+            }
+            #[inline]
+            fn corners(&self, i: usize) -> Option<[Vec3; 3]> {
+                (**self).corners(i)
             }
             #[inline]
             fn object_end(&self, i: usize) -> usize {
