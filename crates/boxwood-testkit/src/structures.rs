@@ -7,6 +7,13 @@ use std::sync::OnceLock;
 /// All structures with the settings worth testing, as [`StructureKind`] reads them. The first is the judge.
 const TABLE: &[&str] = &[
     "brute",
+    "boxes",
+    "grid",
+    "grid:c=auto",
+    "grid:c=0",
+    "grid:c=1000",
+    "grid:resolution=1x7x30",
+    "grid:axes=xy",
     "bvh:median",
     "bvh:median,leaf=1",
     "bvh:median,leaf=64",
@@ -18,7 +25,7 @@ const TABLE: &[&str] = &[
 ];
 
 /// Those that are also built by 1, 2 and 3 threads, whatever pool the test runs in.
-const THREADED: &[&str] = &["bvh:binned"];
+const THREADED: &[&str] = &["bvh:binned", "grid"];
 
 /// A structure of the table.
 #[derive(Clone, Copy, Debug)]

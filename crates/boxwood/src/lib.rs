@@ -34,8 +34,10 @@ mod math;
 pub mod primitive;
 pub mod query;
 
+pub use accel::boxes::{BoundingBoxes, ObjectBoxes};
 pub use accel::brute_force::BruteForce;
 pub use accel::bvh::{BinaryTree, BinnedSah, Bvh, Median};
+pub use accel::grid::{Density, GridBuilder, UniformGrid};
 pub use accel::{Axes, BuildError, Limits, StructureKind, UnknownStructure};
 pub use geometry::implicit::{Enclosure, Formula, Implicit, ImplicitSurface, Segment};
 pub use geometry::real::Real;

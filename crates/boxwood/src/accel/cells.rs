@@ -64,6 +64,26 @@ impl Space {
         space
     }
 
+    /// Whether primitives are held against cells by more than their boxes.
+    pub fn is_exact<P: Primitives>(&self) -> bool {
+        self.exact && P::WITHIN_SLACK
+    }
+
+    /// How much larger a cell is than its planes say.
+    pub fn pad(&self) -> f32 {
+        self.pad
+    }
+
+    /// The same space with cells that are larger by so many units in the last place of the scene's largest coordinate.
+    pub fn with_pad(self, units: f32) -> Self {
+        let pad = self.bounds.scale() * (units / (1 << 24) as f32);
+        Self {
+            // An infinite box is a matter of those that are everywhere, not of the cells.
+            pad: if pad < f32::INFINITY { pad } else { self.pad },
+            ..self
+        }
+    }
+
     /// A cell as primitives are held against it.
     #[inline]
     pub fn padded(&self, cell: &Aabb) -> Aabb {
@@ -77,7 +97,7 @@ impl Space {
     #[inline]
     pub fn holds<P: Primitives>(&self, primitives: &P, i: usize, cell: &Aabb) -> bool {
         let cell = self.padded(cell);
-        if self.exact && P::WITHIN_SLACK {
+        if self.is_exact::<P>() {
             primitives.overlaps(i, &cell)
         } else {
             !primitives.bounds(i).intersection(cell).is_empty()
@@ -88,7 +108,7 @@ impl Space {
     #[inline]
     pub fn part<P: Primitives>(&self, primitives: &P, i: usize, cell: &Aabb) -> Aabb {
         let cell = self.padded(cell);
-        if self.exact && P::WITHIN_SLACK {
+        if self.is_exact::<P>() {
             primitives.clipped_bounds(i, &cell)
         } else {
             primitives.bounds(i).intersection(cell)

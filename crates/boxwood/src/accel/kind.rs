@@ -1,7 +1,9 @@
 //! Names for structures and their settings: what the command line and Python speak.
 
+use super::boxes::ObjectBoxes;
 use super::brute_force::Exhaustive;
 use super::bvh::{BinnedSah, Median};
+use super::grid::GridBuilder;
 use super::settings::{self, Settings};
 use super::{BuildError, Limits, limits};
 use crate::primitive::Primitives;
@@ -93,6 +95,10 @@ macro_rules! kinds {
 kinds! {
     /// The judge: [`BruteForce`](super::brute_force::BruteForce).
     BruteForce(Exhaustive),
+    /// [`BoundingBoxes`](super::boxes::BoundingBoxes).
+    Boxes(ObjectBoxes),
+    /// [`UniformGrid`](super::grid::UniformGrid).
+    Grid(GridBuilder),
     /// [`Bvh`](super::bvh::Bvh) over [`Median`].
     Median(Median),
     /// [`Bvh`](super::bvh::Bvh) over [`BinnedSah`].

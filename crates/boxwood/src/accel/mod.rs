@@ -3,15 +3,19 @@
 //! | structure | build | take it for |
 //! |---|---|---|
 //! | [`BruteForce`](brute_force::BruteForce) | none | judging the others; a handful of primitives |
+//! | [`BoundingBoxes`](boxes::BoundingBoxes) | O(n) | a few objects far apart; learning: one box each, no more |
+//! | [`UniformGrid`](grid::UniformGrid) | O(n) | primitives of one size, evenly spread; building often |
 //! | [`Bvh`](bvh::Bvh) over [`BinnedSah`](bvh::BinnedSah) | O(n log n) | everything: the default |
 //! | [`Bvh`](bvh::Bvh) over [`Median`](bvh::Median) | O(n log n) | learning: the simplest tree that works |
 //!
 //! Every builder is its settings as a value; `build` cannot fail, `build_within` obeys [`Limits`].
 
 mod axes;
+pub mod boxes;
 pub mod brute_force;
 pub mod bvh;
 mod cells;
+pub mod grid;
 mod kind;
 mod limits;
 pub mod sah;

@@ -82,7 +82,8 @@ impl Statistics {
     }
 }
 
-fn half_area(b: &Aabb) -> f64 {
+/// Half the surface of a box, in double precision; zero when empty.
+pub(crate) fn half_area(b: &Aabb) -> f64 {
     let d = |axis: usize| (f64::from(b.upper[axis]) - f64::from(b.lower[axis])).max(0.0);
     d(0) * d(1) + d(1) * d(2) + d(2) * d(0)
 }
