@@ -14,6 +14,11 @@ const TABLE: &[&str] = &[
     "grid:c=1000",
     "grid:resolution=1x7x30",
     "grid:axes=xy",
+    "grid2",
+    "grid2:blocks=0,c=0",
+    "grid2:blocks=0,c=1000",
+    "grid2:blocks=30,c=30",
+    "grid2:axes=xy",
     "bvh:median",
     "bvh:median,leaf=1",
     "bvh:median,leaf=64",
@@ -25,7 +30,7 @@ const TABLE: &[&str] = &[
 ];
 
 /// Those that are also built by 1, 2 and 3 threads, whatever pool the test runs in.
-const THREADED: &[&str] = &["bvh:binned", "grid"];
+const THREADED: &[&str] = &["bvh:binned", "grid", "grid2"];
 
 /// A structure of the table.
 #[derive(Clone, Copy, Debug)]

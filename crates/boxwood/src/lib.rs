@@ -38,6 +38,7 @@ pub use accel::boxes::{BoundingBoxes, ObjectBoxes};
 pub use accel::brute_force::BruteForce;
 pub use accel::bvh::{BinaryTree, BinnedSah, Bvh, Median};
 pub use accel::grid::{Density, GridBuilder, UniformGrid};
+pub use accel::two_level_grid::{TwoLevelGrid, TwoLevelGridBuilder};
 pub use accel::{Axes, BuildError, Limits, StructureKind, UnknownStructure};
 pub use geometry::implicit::{Enclosure, Formula, Implicit, ImplicitSurface, Segment};
 pub use geometry::real::Real;

@@ -5,6 +5,7 @@ use super::brute_force::Exhaustive;
 use super::bvh::{BinnedSah, Median};
 use super::grid::GridBuilder;
 use super::settings::{self, Settings};
+use super::two_level_grid::TwoLevelGridBuilder;
 use super::{BuildError, Limits, limits};
 use crate::primitive::Primitives;
 use crate::query::Intersect;
@@ -99,6 +100,8 @@ kinds! {
     Boxes(ObjectBoxes),
     /// [`UniformGrid`](super::grid::UniformGrid).
     Grid(GridBuilder),
+    /// [`TwoLevelGrid`](super::two_level_grid::TwoLevelGrid).
+    TwoLevelGrid(TwoLevelGridBuilder),
     /// [`Bvh`](super::bvh::Bvh) over [`Median`].
     Median(Median),
     /// [`Bvh`](super::bvh::Bvh) over [`BinnedSah`].

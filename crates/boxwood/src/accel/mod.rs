@@ -5,6 +5,7 @@
 //! | [`BruteForce`](brute_force::BruteForce) | none | judging the others; a handful of primitives |
 //! | [`BoundingBoxes`](boxes::BoundingBoxes) | O(n) | a few objects far apart; learning: one box each, no more |
 //! | [`UniformGrid`](grid::UniformGrid) | O(n) | primitives of one size, evenly spread; building often |
+//! | [`TwoLevelGrid`](two_level_grid::TwoLevelGrid) | O(n) | the same, with details of several sizes |
 //! | [`Bvh`](bvh::Bvh) over [`BinnedSah`](bvh::BinnedSah) | O(n log n) | everything: the default |
 //! | [`Bvh`](bvh::Bvh) over [`Median`](bvh::Median) | O(n log n) | learning: the simplest tree that works |
 //!
@@ -20,6 +21,7 @@ mod kind;
 mod limits;
 pub mod sah;
 mod settings;
+pub mod two_level_grid;
 
 pub use axes::{Axes, UnknownAxes};
 pub use kind::{StructureKind, UnknownStructure};
