@@ -65,7 +65,12 @@ impl<B: Blocks> Nested<B> {
 
 impl<B: Blocks, P: Primitives, Q: Query, C: Counters> Search<'_, B, P, Q, C> {
     /// Some blocks, or some cells of a block.
-    fn bisect(&mut self, lattice: &Lattice, block: Option<&Block>, range: Range) -> ControlFlow<()> {
+    fn bisect(
+        &mut self,
+        lattice: &Lattice,
+        block: Option<&Block>,
+        range: Range,
+    ) -> ControlFlow<()> {
         let bounds = lattice.bounds(&range);
         self.counters.node();
         if self.ray.enters(&bounds, self.query.t_max()).is_none() {
@@ -121,7 +126,13 @@ impl<B: Blocks, P: Primitives, Q: Query, C: Counters> Search<'_, B, P, Q, C> {
         }
         for &i in list {
             if self.mailbox.is_new(i) {
-                primitive::offer(self.primitives, i as usize, self.ray, self.query, self.counters)?;
+                primitive::offer(
+                    self.primitives,
+                    i as usize,
+                    self.ray,
+                    self.query,
+                    self.counters,
+                )?;
             } else if C::EXPLAINS {
                 self.counters.step(Step::Repeated { primitive: i });
             }

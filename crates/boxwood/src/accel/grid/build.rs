@@ -94,7 +94,12 @@ impl GridBuilder {
                         put(bricks.cell(cell))
                     })
                 };
-                let found = register(primitives, &site, if last { usize::MAX } else { most }, &put);
+                let found = register(
+                    primitives,
+                    &site,
+                    if last { usize::MAX } else { most },
+                    &put,
+                );
                 if let Some(parts) = found {
                     break (bricks, Counted::of(cells, parts, &site));
                 }

@@ -158,8 +158,8 @@ impl Counted {
     }
 }
 
-/// The bits of all cells that are named.
-fn filled(cells: usize, parts: &[Vec<Reference>]) -> Vec<u64> {
+/// A bit for every cell that is named.
+pub(crate) fn filled(cells: usize, parts: &[Vec<Reference>]) -> Vec<u64> {
     let mut halves = Vec::new();
     halves.resize_with(2 * cells.div_ceil(64), || AtomicU32::new(0));
     let mark = |part: &Vec<Reference>| {
@@ -200,10 +200,36 @@ fn sort_lists(starts: &[u32], base: u32, lists: &mut [u32]) {
     }
 }
 
+/// How many bits are set from one number up to before another.
+pub(crate) fn ones(masks: &[u64], from: usize, to: usize) -> usize {
+    let ones = |word: usize| {
+        let skipped = from.saturating_sub(64 * word);
+        let beyond = (64 * (word + 1)).saturating_sub(to);
+        // Neither is 64: every word that is asked for has a bit in the range.
+        (masks[word] >> skipped << skipped << beyond >> beyond).count_ones() as usize
+    };
+    match from < to {
+        true => (from / 64..=(to - 1) / 64).map(ones).sum(),
+        false => 0,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::accel::Limits;
+
+    #[test]
+    fn bits_are_counted() {
+        let masks: Vec<u64> = alloc::vec![0x8000_0000_0000_0001, u64::MAX, 0b1010];
+        let set = |i: usize| masks[i / 64] >> (i % 64) & 1 == 1;
+        for from in [0, 1, 63, 64, 70, 129, 191] {
+            for to in [0, 1, 64, 65, 128, 130, 192] {
+                let expected = (from..to).filter(|&i| set(i)).count();
+                assert_eq!(ones(&masks, from, to), expected, "{from}..{to}");
+            }
+        }
+    }
 
     #[test]
     fn lists_hold_what_they_were_given() {

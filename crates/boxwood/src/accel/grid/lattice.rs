@@ -37,8 +37,9 @@ impl Lattice {
         let [lower, upper] = [space.world.lower, space.world.upper].map(Vec3::to_array);
         let pad = f64::from(space.pad());
         let lower = lower.map(|x| float(f64::from(x) - pad));
-        let size =
-            core::array::from_fn(|k| float((f64::from(upper[k]) + pad - lower[k]) * (1.0 + 1.0e-7)));
+        let size = core::array::from_fn(|k| {
+            float((f64::from(upper[k]) + pad - lower[k]) * (1.0 + 1.0e-7))
+        });
         Self {
             lower,
             size,
@@ -215,10 +216,7 @@ impl Lattice {
 const FEW: u64 = 4;
 
 #[inline]
-fn each(
-    range: &Range,
-    show: &mut impl FnMut([u32; 3]) -> ControlFlow<()>,
-) -> ControlFlow<()> {
+fn each(range: &Range, show: &mut impl FnMut([u32; 3]) -> ControlFlow<()>) -> ControlFlow<()> {
     let [xs, ys, zs] = range.map(|[first, last]| first..=last);
     for z in zs {
         for y in ys.clone() {

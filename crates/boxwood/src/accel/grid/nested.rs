@@ -123,7 +123,12 @@ impl<B: Blocks> Nested<B> {
             if C::EXPLAINS {
                 let number = walk.cell();
                 let bounds = self.top().cell(self.top().place(number));
-                explain(self.block_node(number), bounds, (enter, block_leave), counters);
+                explain(
+                    self.block_node(number),
+                    bounds,
+                    (enter, block_leave),
+                    counters,
+                );
             }
             if !self.blocks.is_empty(walk.cell(), &self.cells) {
                 let block = self.blocks.block(walk.cell());
@@ -263,9 +268,7 @@ impl<B: Blocks> Nested<B> {
             depth: 1,
             references: self.cells.references() + self.space.everywhere.len(),
             largest_leaf: self.cells.longest(),
-            bytes: self.cells.bytes()
-                + self.blocks.bytes()
-                + size_of_val(&*self.space.everywhere),
+            bytes: self.cells.bytes() + self.blocks.bytes() + size_of_val(&*self.space.everywhere),
             sah_cost: if whole > 0.0 && whole < f64::INFINITY {
                 (cost / whole) as f32
             } else {

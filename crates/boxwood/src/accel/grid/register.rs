@@ -50,7 +50,11 @@ pub(crate) fn register<P: Primitives + Sync>(
                     cell,
                     primitive: i as u32,
                 });
-                if part.len() > most { Break(()) } else { Continue(()) }
+                if part.len() > most {
+                    Break(())
+                } else {
+                    Continue(())
+                }
             };
             if cells_of(i, &around, &mut put).is_break() {
                 failed.store(true, Relaxed);

@@ -103,8 +103,18 @@ mod tests {
             "grid:c=27,resolution=any".parse::<StructureKind>(),
             "grid".parse()
         );
-        for text in ["c=-1", "c=NaN", "c=", "resolution=1x1", "resolution=0x1x1", "resolution=1x1x1x1"] {
-            assert!(format!("grid:{text}").parse::<StructureKind>().is_err(), "{text}");
+        for text in [
+            "c=-1",
+            "c=NaN",
+            "c=",
+            "resolution=1x1",
+            "resolution=0x1x1",
+            "resolution=1x1x1x1",
+        ] {
+            assert!(
+                format!("grid:{text}").parse::<StructureKind>().is_err(),
+                "{text}"
+            );
         }
     }
 }

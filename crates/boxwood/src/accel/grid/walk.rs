@@ -81,7 +81,11 @@ impl Way {
             let count = lattice.resolution[k].div_ceil(edge[k]) as f32;
             let lower = lattice.lower[k] as f32;
             let backward = inverse < 0.0;
-            let plane = if backward { lower + size * count } else { lower };
+            let plane = if backward {
+                lower + size * count
+            } else {
+                lower
+            };
             let first = plane * inverse - ray.origin[k] * inverse;
             let per = size * inverse.abs();
             let last = first + count * per;

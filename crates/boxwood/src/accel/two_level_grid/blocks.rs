@@ -1,6 +1,7 @@
 //! Blocks that are each cut in their own way.
 
 use crate::accel::grid::counted::Counted;
+use crate::accel::grid::lattice::MAX_CELLS;
 use crate::accel::grid::nested::{Block, Blocks};
 use alloc::vec::Vec;
 
@@ -26,11 +27,15 @@ pub(super) fn bytes_of_blocks(blocks: usize) -> usize {
 }
 
 impl CutBlocks {
-    /// Blocks that are cut into so many parts, which have at most 2³¹ cells in all; and how many those are.
+    /// Blocks that are cut into so many parts; and how many cells those are. Where there would be more than
+    /// [`MAX_CELLS`], the blocks that are left have one cell each.
     pub fn of(parts: impl Iterator<Item = [u32; 3]>) -> (Self, usize) {
         let mut cells = 0;
-        let block = |parts: [u32; 3]| {
+        let block = |mut parts: [u32; 3]| {
             let first = cells;
+            if u64::from(cells) + u64::from(parts.iter().product::<u32>()) > MAX_CELLS {
+                parts = parts.map(|n| n.min(1));
+            }
             cells += parts.iter().product::<u32>();
             let [x, y, z] = parts;
             CutBlock {

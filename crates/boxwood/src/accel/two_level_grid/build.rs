@@ -3,8 +3,8 @@
 use super::blocks::{CutBlocks, MOST_PARTS, bytes_of_blocks};
 use super::{GridOfGrids, TwoLevelGrid};
 use crate::accel::cells::Space;
-use crate::accel::grid::counted::{BYTES_EACH, Counted, bytes_of_cells};
-use crate::accel::grid::lattice::{Lattice, MAX_CELLS, cubic};
+use crate::accel::grid::counted::{BYTES_EACH, Counted, Reference, bytes_of_cells, filled, ones};
+use crate::accel::grid::lattice::{Lattice, cubic};
 use crate::accel::grid::nested::{Blocks, Nested};
 use crate::accel::grid::register::{most_references, register};
 use crate::accel::grid::walk::{LEAST_PADS, PAD};
@@ -12,11 +12,14 @@ use crate::accel::limits::{Site, unlimited};
 use crate::accel::settings::{Setting, Settings};
 use crate::accel::{Axes, BuildError, Limits};
 use crate::geometry::Aabb;
+use crate::math;
 use crate::primitive::Primitives;
 use crate::query::Intersect;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::ops::ControlFlow::{self, Continue};
+#[cfg(feature = "parallel")]
+use rayon::prelude::*;
 
 /// The builder of [`TwoLevelGrid`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +44,11 @@ impl Default for TwoLevelGridBuilder {
         }
     }
 }
+
+/// A block with more references than this for each place where there are any is crowded,
+const CROWDED: f64 = 8.0;
+/// and is cut so finely that there would be so many, if they lie on surfaces.
+const AT_EASE: f64 = 4.0;
 
 /// What a build works with.
 struct Work<'a, P> {
@@ -95,7 +103,11 @@ impl TwoLevelGridBuilder {
                 }));
             }
             blocks = lattice.cells() as f64 / 8.0;
-            density = if lattice.cells() == 1 { density / 8.0 } else { density / 2.0 };
+            density = if lattice.cells() == 1 {
+                density / 8.0
+            } else {
+                density / 2.0
+            };
         }
     }
 }
@@ -110,7 +122,11 @@ impl<P: Primitives + Sync> Work<'_, P> {
         last: bool,
     ) -> Option<(CutBlocks, Counted)> {
         let number = lattice.cells() as usize;
-        let most = if last { usize::MAX } else { most_references(self.primitives.len()) };
+        let most = if last {
+            usize::MAX
+        } else {
+            most_references(self.primitives.len())
+        };
         // How much lies in each block, and the blocks.
         let blocks_bytes = number * size_of::<u32>() + bytes_of_blocks(number);
         if !self.take(blocks_bytes, last) {
@@ -125,24 +141,9 @@ impl<P: Primitives + Sync> Work<'_, P> {
             self.site.give(blocks_bytes);
             return None;
         };
-        let mut counts = alloc::vec![0_u32; number];
-        let mut references = 0;
-        for part in &parts {
-            references += part.len();
-            part.iter().for_each(|r| counts[r.cell as usize] += 1);
-        }
-        drop(parts);
+        let references: usize = parts.iter().map(Vec::len).sum();
+        let (blocks, cells) = self.divide(axes, lattice, density, parts);
         self.site.give(references * BYTES_EACH);
-        let mut all = 0;
-        let parts = counts.iter().map(|&count| {
-            let parts = self.parts(axes, lattice, density, count);
-            let cells: u32 = parts.iter().product();
-            all += u64::from(cells);
-            // The rest keeps one cell each: there are far fewer blocks than numbers.
-            if all > MAX_CELLS { parts.map(|n| n.min(1)) } else { parts }
-        });
-        let (blocks, cells) = CutBlocks::of(parts);
-        drop(counts);
         let cells_bytes = bytes_of_cells(cells);
         if !self.take(cells_bytes, last) {
             self.site.give(blocks_bytes);
@@ -177,12 +178,67 @@ impl<P: Primitives + Sync> Work<'_, P> {
         }
     }
 
-    /// How a block with so many references is cut.
-    fn parts(&self, axes: Axes, lattice: &Lattice, density: f64, count: u32) -> [u32; 3] {
+    /// How each block is cut: by the number of its references and, where they crowd in few of the cells, more finely.
+    fn divide(
+        &self,
+        axes: Axes,
+        lattice: &Lattice,
+        density: f64,
+        mut references: Vec<Vec<Reference>>,
+    ) -> (CutBlocks, usize) {
+        let mut counts = alloc::vec![0_u32; lattice.cells() as usize];
+        for reference in references.iter().flatten() {
+            counts[reference.cell as usize] += 1;
+        }
+        let wanted = |count: u32| density * f64::from(count);
+        let even = counts
+            .iter()
+            .map(|&count| self.parts(axes, lattice, wanted(count), count));
+        let (blocks, cells) = CutBlocks::of(even);
+        // Each reference goes to the cell where the middle of its primitive is.
+        let move_inside = |part: &mut Vec<Reference>| {
+            for reference in part {
+                let (number, i) = (reference.cell as usize, reference.primitive as usize);
+                let block = blocks.block(number);
+                let inner = lattice.inside(lattice.place(number), block.parts);
+                let middle = self.primitives.bounds(i).centroid();
+                let at = inner.range(&Aabb::new(middle, middle), 0.0);
+                reference.cell = block.cell(at.map(|[first, _]| first)) as u32;
+            }
+        };
+        #[cfg(feature = "parallel")]
+        references.par_iter_mut().for_each(move_inside);
+        #[cfg(not(feature = "parallel"))]
+        references.iter_mut().for_each(move_inside);
+        let masks = filled(cells, &references);
+        drop(references);
+        let parts = counts.iter().enumerate().map(|(number, &count)| {
+            let block = blocks.block(number);
+            let (from, cells) = (block.first as usize, block.parts.iter().product::<u32>());
+            let places = ones(&masks, from, from + cells as usize).max(1);
+            let crowd = f64::from(count) / places as f64;
+            // Surfaces fill cells by the square of the resolution; cells in all are its cube.
+            let finer = if crowd > CROWDED {
+                crowd / AT_EASE
+            } else {
+                1.0
+            };
+            self.parts(
+                axes,
+                lattice,
+                wanted(count) * finer * math::sqrt_f64(finer),
+                count,
+            )
+        });
+        CutBlocks::of(parts)
+    }
+
+    /// How a block with so many references is cut into about so many cells.
+    fn parts(&self, axes: Axes, lattice: &Lattice, cells: f64, count: u32) -> [u32; 3] {
         if count == 0 {
             return [0; 3];
         }
-        let parts = cubic(lattice.size, density * f64::from(count), axes);
+        let parts = cubic(lattice.size, cells, axes);
         core::array::from_fn(|k| {
             let most = (lattice.size[k] / self.thinnest) as u32;
             parts[k].min(most).clamp(1, MOST_PARTS)

@@ -4,7 +4,12 @@
 //! its own, with so many cells for each of its references ([`TwoLevelGridBuilder`]). All cells of all blocks lie one
 //! after the other, and a block says where its own begin. A ray walks from block to block, and through the cells of those
 //! that are not empty: an empty block is one step, however large. So a detailed model in a large place (the teapot in a
-//! stadium) has small cells, and the place large ones; only what needs a third level falls short.
+//! stadium) has small cells, and the place large ones.
+//!
+//! *Crowded blocks.* The number of references says nothing of where they are: sixty thousand of a teapot may lie in a
+//! hundredth of their block, together with the floor. So the places that the middles of the references take are counted,
+//! and a block with many references to a place is cut more finely, up to 255 times on an axis. (This is not in the paper;
+//! it is affordable because empty cells are bits.)
 //!
 //! *Cost.* Building is linear in primitives, cells and references: every primitive is registered in blocks, which tells how
 //! finely they are cut, and then in cells. 8 bytes per block, 0.2 per cell, 4 per filled cell, 4 per reference. A ray pays
