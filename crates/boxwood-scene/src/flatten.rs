@@ -10,7 +10,7 @@ use boxwood::{Aabb, MeshError, TriangleMesh};
 /// the lower (instance, primitive) is therefore the lower flat number.
 #[derive(Clone, Debug)]
 pub struct FlatScene {
-    /// The triangles.
+    /// The triangles; each placed mesh is an object of its own.
     pub mesh: TriangleMesh,
     /// By first flat triangle, ascending.
     parts: Vec<Part>,
@@ -122,8 +122,10 @@ impl Scene {
         }
         // Placements of empty meshes would hide the part that really begins at their place.
         parts.retain(|part| !self.meshes[part.mesh as usize].triangles.is_empty());
+        // Each placed mesh is an object, which ends where the next one begins.
+        let ends = parts.iter().skip(1).map(|part| part.first);
         Ok(FlatScene {
-            mesh: TriangleMesh::new(positions, triangles)?,
+            mesh: TriangleMesh::new(positions, triangles)?.with_objects(ends),
             parts,
         })
     }
@@ -162,7 +164,7 @@ impl FlatScene {
 mod tests {
     use super::*;
     use crate::{Instance, Mesh};
-    use boxwood::Affine;
+    use boxwood::{Affine, BoundingBoxes, Intersect, ObjectBoxes, Primitives};
 
     fn mesh(triangles: u32) -> Mesh {
         Mesh {
@@ -220,6 +222,16 @@ mod tests {
         );
         assert_eq!(flat.mesh.triangle(2)[0].z, 10.0);
         assert_eq!(flat.mesh.triangle(6)[0].z, 20.0);
+    }
+
+    #[test]
+    fn placed_meshes_are_objects() {
+        let flat = scene().flatten().expect("a good scene");
+        let ends: Vec<usize> = (0..9).map(|i| flat.mesh.object_end(i)).collect();
+        assert_eq!(ends, [2, 2, 5, 5, 5, 6, 9, 9, 9]);
+        let boxes = ObjectBoxes.build(&flat.mesh);
+        let found = Intersect::statistics(&BoundingBoxes::new(&flat.mesh, boxes));
+        assert_eq!((found.leaves, found.largest_leaf), (4, 3));
     }
 
     #[test]

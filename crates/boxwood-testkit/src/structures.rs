@@ -7,6 +7,18 @@ use std::sync::OnceLock;
 /// All structures with the settings worth testing, as [`StructureKind`] reads them. The first is the judge.
 const TABLE: &[&str] = &[
     "brute",
+    "boxes",
+    "grid",
+    "grid:c=auto",
+    "grid:c=0",
+    "grid:c=1000",
+    "grid:resolution=1x7x30",
+    "grid:axes=xy",
+    "grid2",
+    "grid2:blocks=0,c=0",
+    "grid2:blocks=0,c=1000",
+    "grid2:blocks=30,c=30",
+    "grid2:axes=xy",
     "bvh:median",
     "bvh:median,leaf=1",
     "bvh:median,leaf=64",
@@ -37,6 +49,7 @@ const THREADED: &[&str] = &["bvh:binned", "kd:sah"];
 
 /// Those that are also built by 1, 2 and 3 threads, whatever pool the test runs in.
 const THREADED: &[&str] = &["bvh:binned", "octree", "bsp"];
+const THREADED: &[&str] = &["bvh:binned", "grid", "grid2"];
 
 /// A structure of the table.
 #[derive(Clone, Copy, Debug)]

@@ -34,11 +34,14 @@ mod math;
 pub mod primitive;
 pub mod query;
 
+pub use accel::boxes::{BoundingBoxes, ObjectBoxes};
 pub use accel::brute_force::BruteForce;
 pub use accel::bsp_tree::{BspData, BspSah, BspTree};
 pub use accel::bvh::{BinaryTree, BinnedSah, Bvh, Median};
+pub use accel::grid::{Density, GridBuilder, UniformGrid};
 pub use accel::kd_tree::{KdLecture, KdSah, KdTree};
 pub use accel::octree::{Octree, OctreeBuilder, OctreeData};
+pub use accel::two_level_grid::{TwoLevelGrid, TwoLevelGridBuilder};
 pub use accel::{Axes, BuildError, Limits, StructureKind, UnknownStructure};
 pub use geometry::implicit::{Enclosure, Formula, Implicit, ImplicitSurface, Segment};
 pub use geometry::real::Real;

@@ -74,6 +74,16 @@ impl Space {
         self.pad
     }
 
+    /// The same space with cells that are larger by so many units in the last place of the scene's largest coordinate.
+    pub fn with_pad(self, units: f32) -> Self {
+        let pad = self.bounds.scale() * (units / (1 << 24) as f32);
+        Self {
+            // An infinite box is a matter of those that are everywhere, not of the cells.
+            pad: if pad < f32::INFINITY { pad } else { self.pad },
+            ..self
+        }
+    }
+
     /// A cell as primitives are held against it.
     #[inline]
     pub fn padded(&self, cell: &Aabb) -> Aabb {

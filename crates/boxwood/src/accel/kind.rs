@@ -1,11 +1,14 @@
 //! Names for structures and their settings: what the command line and Python speak.
 
+use super::boxes::ObjectBoxes;
 use super::brute_force::Exhaustive;
 use super::bsp_tree::BspSah;
 use super::bvh::{BinnedSah, Median};
+use super::grid::GridBuilder;
 use super::kd_tree::{KdLecture, KdSah};
 use super::octree::OctreeBuilder;
 use super::settings::{self, Settings};
+use super::two_level_grid::TwoLevelGridBuilder;
 use super::{BuildError, Limits, limits};
 use crate::primitive::Primitives;
 use crate::query::Intersect;
@@ -96,6 +99,12 @@ macro_rules! kinds {
 kinds! {
     /// The judge: [`BruteForce`](super::brute_force::BruteForce).
     BruteForce(Exhaustive),
+    /// [`BoundingBoxes`](super::boxes::BoundingBoxes).
+    Boxes(ObjectBoxes),
+    /// [`UniformGrid`](super::grid::UniformGrid).
+    Grid(GridBuilder),
+    /// [`TwoLevelGrid`](super::two_level_grid::TwoLevelGrid).
+    TwoLevelGrid(TwoLevelGridBuilder),
     /// [`Bvh`](super::bvh::Bvh) over [`Median`].
     Median(Median),
     /// [`Bvh`](super::bvh::Bvh) over [`BinnedSah`].

@@ -3,6 +3,9 @@
 //! | structure | build | take it for |
 //! |---|---|---|
 //! | [`BruteForce`](brute_force::BruteForce) | none | judging the others; a handful of primitives |
+//! | [`BoundingBoxes`](boxes::BoundingBoxes) | O(n) | a few objects far apart; learning: one box each, no more |
+//! | [`UniformGrid`](grid::UniformGrid) | O(n) | primitives of one size, evenly spread; building often |
+//! | [`TwoLevelGrid`](two_level_grid::TwoLevelGrid) | O(n) | the same, with details of several sizes |
 //! | [`Bvh`](bvh::Bvh) over [`BinnedSah`](bvh::BinnedSah) | O(n log n) | everything: the default |
 //! | [`Bvh`](bvh::Bvh) over [`Median`](bvh::Median) | O(n log n) | learning: the simplest tree that works |
 //! | [`KdTree`](kd_tree::KdTree) over [`KdSah`](kd_tree::KdSah) | O(n log n) | scenes of walls and rooms; seeing space divided at its best |
@@ -13,16 +16,19 @@
 //! Every builder is its settings as a value; `build` cannot fail, `build_within` obeys [`Limits`].
 
 mod axes;
+pub mod boxes;
 pub mod brute_force;
 pub mod bsp_tree;
 pub mod bvh;
 mod cells;
+pub mod grid;
 pub mod kd_tree;
 mod kind;
 mod limits;
 pub mod octree;
 pub mod sah;
 mod settings;
+pub mod two_level_grid;
 
 pub use axes::{Axes, UnknownAxes};
 pub use kind::{StructureKind, UnknownStructure};

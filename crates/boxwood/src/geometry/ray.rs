@@ -171,6 +171,12 @@ impl PreparedRay {
         (self.inverse, self.near, self.far)
     }
 
+    /// `1 / direction`, where coordinates that are nearly zero are raised: finite for a tame ray, and right to 1 u.
+    #[inline(always)]
+    pub(crate) fn inverse(&self) -> Vec3 {
+        self.inverse
+    }
+
     /// Where the ray enters and leaves a box, both erring to the outside by the slack; it is entered where
     /// `enter <= leave`. Neither number knows of the ray's interval.
     ///

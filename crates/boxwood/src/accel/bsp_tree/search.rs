@@ -17,7 +17,11 @@ use alloc::vec::Vec;
 const ACROSS_COST: f64 = 1.5;
 fn knob(i: usize, default: f64) -> f64 {
     static K: std::sync::OnceLock<Vec<f64>> = std::sync::OnceLock::new();
-    let k = K.get_or_init(|| std::env::var("KNOBS").map(|s| s.split(',').map(|x| x.parse().unwrap()).collect()).unwrap_or_default());
+    let k = K.get_or_init(|| {
+        std::env::var("KNOBS")
+            .map(|s| s.split(',').map(|x| x.parse().unwrap()).collect())
+            .unwrap_or_default()
+    });
     k.get(i).copied().unwrap_or(default)
 }
 
@@ -86,7 +90,11 @@ impl Best {
                 above += n.flat;
             }
             let parts = below as f64 * areas[0] + above as f64 * areas[1];
-            let bonus = if below == 0 || above == 0 { knob(2, 1.0) } else { 1.0 };
+            let bonus = if below == 0 || above == 0 {
+                knob(2, 1.0)
+            } else {
+                1.0
+            };
             let cost = bonus * (own + parts / self.area);
             if cost < self.cost {
                 self.cost = cost;
