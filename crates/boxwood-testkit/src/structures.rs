@@ -15,10 +15,26 @@ const TABLE: &[&str] = &[
     "bvh:binned,bins=2,leaf=1",
     "bvh:binned,leaf=64",
     "bvh:binned,axes=y",
+    "bvh:middle",
+    "bvh:middle,leaf=1,axes=xz",
+    "bvh:equal",
+    "bvh:equal,leaf=1,axes=yz,rotate=2",
+    "bvh:sweep",
+    "bvh:sweep,leaf=1,rotate=3,reinsert=2",
+    "bvh:sweep,leaf=64,axes=xy",
+    "bvh:sbvh",
+    "bvh:sbvh,budget=4,alpha=0,leaf=1",
+    "bvh:sbvh,budget=2,alpha=0,bins=3,leaf=64,reinsert=2",
+    "bvh:sbvh,budget=1.5,axes=xy",
+    "bvh:lbvh",
+    "bvh:lbvh,leaf=1,axes=y",
+    "bvh:ploc",
+    "bvh:ploc,radius=1,leaf=1",
+    "bvh:ploc,radius=256,leaf=64,axes=xy,reinsert=1",
 ];
 
 /// Those that are also built by 1, 2 and 3 threads, whatever pool the test runs in.
-const THREADED: &[&str] = &["bvh:binned"];
+const THREADED: &[&str] = &["bvh:binned", "bvh:sweep", "bvh:sbvh", "bvh:ploc,reinsert=1"];
 
 /// A structure of the table.
 #[derive(Clone, Copy, Debug)]

@@ -35,7 +35,10 @@ pub mod primitive;
 pub mod query;
 
 pub use accel::brute_force::BruteForce;
-pub use accel::bvh::{BinaryTree, BinnedSah, Bvh, Median};
+pub use accel::bvh::{
+    BinaryTree, BinnedSah, Bvh, EqualCounts, Lbvh, Median, Middle, Ploc, Refine, SpatialSplit,
+    SweepSah,
+};
 pub use accel::{Axes, BuildError, Limits, StructureKind, UnknownStructure};
 pub use geometry::implicit::{Enclosure, Formula, Implicit, ImplicitSurface, Segment};
 pub use geometry::real::Real;

@@ -1,7 +1,7 @@
 //! Names for structures and their settings: what the command line and Python speak.
 
 use super::brute_force::Exhaustive;
-use super::bvh::{BinnedSah, Median};
+use super::bvh::{BinnedSah, EqualCounts, Lbvh, Median, Middle, Ploc, SpatialSplit, SweepSah};
 use super::settings::{self, Settings};
 use super::{BuildError, Limits, limits};
 use crate::primitive::Primitives;
@@ -95,8 +95,20 @@ kinds! {
     BruteForce(Exhaustive),
     /// [`Bvh`](super::bvh::Bvh) over [`Median`].
     Median(Median),
+    /// [`Bvh`](super::bvh::Bvh) over [`Middle`].
+    Middle(Middle),
+    /// [`Bvh`](super::bvh::Bvh) over [`EqualCounts`].
+    EqualCounts(EqualCounts),
     /// [`Bvh`](super::bvh::Bvh) over [`BinnedSah`].
     Binned(BinnedSah),
+    /// [`Bvh`](super::bvh::Bvh) over [`SweepSah`].
+    Sweep(SweepSah),
+    /// [`Bvh`](super::bvh::Bvh) over [`SpatialSplit`].
+    SpatialSplit(SpatialSplit),
+    /// [`Bvh`](super::bvh::Bvh) over [`Lbvh`].
+    Lbvh(Lbvh),
+    /// [`Bvh`](super::bvh::Bvh) over [`Ploc`].
+    Ploc(Ploc),
 }
 
 /// What a name without a method means.

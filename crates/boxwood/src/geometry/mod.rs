@@ -8,6 +8,7 @@ mod double;
 mod hit;
 pub mod implicit;
 mod interval;
+pub(crate) mod morton;
 mod plane;
 mod ray;
 pub mod real;

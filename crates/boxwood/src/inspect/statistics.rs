@@ -43,7 +43,8 @@ impl Statistics {
     /// Of a binary hierarchy.
     pub fn of_tree(tree: &BinaryTree) -> Self {
         let mut found = Self {
-            primitives: tree.order.len(),
+            // Every primitive is in some leaf, so the highest number tells.
+            primitives: tree.order.iter().max().map_or(0, |&id| id as usize + 1),
             references: tree.order.len(),
             bytes: size_of_val(&*tree.nodes) + size_of_val(&*tree.order),
             ..Self::default()

@@ -17,11 +17,12 @@ impl<P: Primitives> Bvh<P> {
     /// Takes a tree that a builder of this crate made for these primitives.
     ///
     /// # Panics
-    /// When the tree has another number of primitives. See [`Bvh::checked`] for trees from elsewhere.
+    /// When the tree names a primitive that does not exist. See [`Bvh::checked`] for trees from elsewhere.
     pub fn new(primitives: P, tree: BinaryTree) -> Self {
-        assert_eq!(
-            primitives.len(),
-            tree.order.len(),
+        assert!(
+            tree.order
+                .iter()
+                .all(|&id| (id as usize) < primitives.len()),
             "a tree for other primitives"
         );
         Self { primitives, tree }
@@ -61,6 +62,11 @@ impl<P: Primitives> Traverse for Bvh<P> {
             return;
         };
         let nodes = &self.tree.nodes[..];
+        // Where primitives are cut, a leaf's box holds a part of each, but such a ray may hit it anywhere in its own box.
+        if self.tree.order.len() > self.primitives.len() && !ray.is_tame() {
+            primitive::offer_all(&self.primitives, &ray, query, counters);
+            return;
+        }
         let mut stack = [(0_u32, 0.0_f32); MAX_DEPTH];
         let mut pending = 0;
         let mut current = 0;
