@@ -53,8 +53,8 @@ impl Default for SpatialSplit {
     fn default() -> Self {
         Self {
             budget: 1.3,
-            alpha: 1.0e-5,
-            bins: 16,
+            alpha: 3.0e-4,
+            bins: 8,
             max_leaf: 8,
             axes: Axes::XYZ,
             refine: Refine::NONE,
@@ -144,14 +144,22 @@ struct ObjectCut {
 impl<P: Primitives + Sync> Splitter<'_, P> {
     /// The cheapest cut between references.
     fn object_cut(&self, items: &[Item]) -> Option<ObjectCut> {
-        let mut behind = alloc::vec![0.0; items.len()];
+        // Most rows are short: no need to ask for memory.
+        let mut short = [0.0; 64];
+        let mut long = Vec::new();
+        let behind = if items.len() <= short.len() {
+            &mut short[..]
+        } else {
+            long.resize(items.len(), 0.0);
+            &mut long[..]
+        };
         let mut keys = Vec::with_capacity(items.len());
         let mut best: Option<ObjectCut> = None;
         for axis in self.settings.axes.iter() {
             keys.clear();
             keys.extend((0..).zip(items).map(|(i, item)| item.key(axis, i)));
             keys.sort_unstable();
-            let cut = cheapest_cut(items.len(), u32::MAX, &mut behind, |i| Slot {
+            let cut = cheapest_cut(items.len(), u32::MAX, behind, |i| Slot {
                 bounds: items[keys[i] as u32 as usize].bounds,
                 begin: 1,
                 end: 1,
@@ -192,29 +200,25 @@ impl<P: Primitives + Sync> Divide for Splitter<'_, P> {
         let Some(object) = self.object_cut(&part.items) else {
             return Divided::Leaf(part);
         };
-        let sides = |at: usize| {
-            let (left, right) = object.keys.split_at(at);
-            [left, right].map(|keys| {
-                let items = keys.iter().map(|&key| part.items[key as u32 as usize]);
-                items.collect::<Vec<Item>>()
-            })
+        let item = |key: &u64| part.items[*key as u32 as usize];
+        let around = |keys: &[u64]| {
+            let bounds = keys.iter().map(|key| item(key).bounds);
+            bounds.fold(Aabb::EMPTY, Aabb::union)
         };
-        let mut halves = None;
+        let at = if may_choose { object.cut.at } else { len / 2 };
+        let (left, right) = object.keys.split_at(at);
+        let bounds = [around(left), around(right)];
         let mut cost = object.cut.cost;
-        if may_choose {
-            let [left, right] = sides(object.cut.at).map(|items| References::of(items, 0));
-            let overlap = left.bounds.intersection(right.bounds).half_area();
-            halves = Some([left, right]);
-            if part.spare > 0
-                && overlap > self.least_overlap
-                && let Some(plane) = self.best_plane(&part)
-                && plane.cut.cost < cost
-                && let Some(cut) = self.cut_at(&part, &plane)
-            {
-                let cut_cost =
-                    |half: &References| half.bounds.half_area() * half.items.len() as f32;
-                cost = plane.cut.cost.min(cut.iter().map(cut_cost).sum());
-                halves = Some(cut);
+        let mut spatial = None;
+        if may_choose
+            && part.spare > 0
+            && bounds[0].intersection(bounds[1]).half_area() > self.least_overlap
+            && let Some(plane) = self.best_plane(&part)
+            && plane.cut.cost < cost
+        {
+            spatial = self.cut_at(&part, &plane);
+            if spatial.is_some() {
+                cost = plane.cut.cost;
             }
         }
         if len <= self.settings.max_leaf {
@@ -226,8 +230,13 @@ impl<P: Primitives + Sync> Divide for Splitter<'_, P> {
                 return Divided::Leaf(part);
             }
         }
-        let [mut left, mut right] =
-            halves.unwrap_or_else(|| sides(len / 2).map(|items| References::of(items, 0)));
+        let [mut left, mut right] = spatial.unwrap_or_else(|| {
+            [(left, bounds[0]), (right, bounds[1])].map(|(keys, bounds)| References {
+                bounds,
+                items: keys.iter().map(item).collect(),
+                spare: 0,
+            })
+        });
         let (on_left, on_right) = (left.items.len(), right.items.len());
         let rest = part.spare - (on_left + on_right - len).min(part.spare);
         left.spare = (rest as u64 * on_left as u64 / (on_left + on_right) as u64) as usize;

@@ -23,6 +23,7 @@ pub use {collapse::collapse_leaves, refit::refit, reinsertion::reinsertion, rota
 use super::tree::{BinaryNode, BinaryTree};
 use crate::accel::limits::Site;
 use crate::accel::settings::Setting;
+use alloc::vec::Vec;
 
 /// What a builder does to its tree at the end: by default nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -87,19 +88,19 @@ fn area(node: &BinaryNode) -> f64 {
     f64::from(node.bounds.half_area())
 }
 
-/// The nodes in an order in which every parent comes before its children.
-fn parents_first(tree: &BinaryTree) -> alloc::vec::Vec<u32> {
-    let mut found = alloc::vec::Vec::with_capacity(tree.nodes.len());
+/// The nodes depth-first: every parent comes before its children.
+fn parents_first(tree: &BinaryTree) -> Vec<u32> {
+    let mut found = Vec::with_capacity(tree.nodes.len());
+    let mut open = Vec::new();
     if !tree.nodes.is_empty() {
-        found.push(0);
+        open.push(0);
     }
-    let mut next = 0;
-    while next < found.len() {
-        let node = &tree.nodes[found[next] as usize];
+    while let Some(i) = open.pop() {
+        found.push(i);
+        let node = &tree.nodes[i as usize];
         if !node.is_leaf() {
-            found.extend(node.children().map(|child| child as u32));
+            open.extend([node.first + 1, node.first]);
         }
-        next += 1;
     }
     found
 }

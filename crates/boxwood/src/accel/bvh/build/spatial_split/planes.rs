@@ -67,7 +67,7 @@ impl<P: Primitives + Sync> Splitter<'_, P> {
     pub(super) fn best_plane(&self, part: &References) -> Option<Plane> {
         let most = (part.items.len() + part.spare) as u32;
         // Few references do not need many planes.
-        let count = self.settings.bins.min(2 * part.items.len());
+        let count = self.settings.bins.min(4 + part.items.len() / 8);
         let mut best: Option<Plane> = None;
         for axis in self.settings.axes.iter() {
             let Some(bins) = Bins::new(&part.bounds, axis, count) else {
