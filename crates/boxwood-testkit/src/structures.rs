@@ -19,37 +19,58 @@ const TABLE: &[&str] = &[
     "grid2:blocks=0,c=1000",
     "grid2:blocks=30,c=30",
     "grid2:axes=xy",
-    "bvh:median",
-    "bvh:median,leaf=1",
-    "bvh:median,leaf=64",
-    "bvh:median,axes=xy",
-    "bvh:binned",
-    "bvh:binned,bins=2,leaf=1",
-    "bvh:binned,leaf=64",
-    "bvh:binned,axes=y",
-    "kd:sah",
-    "kd:sah,leaf=1,empty=0.8,depth=64,budget=40",
-    "kd:sah,leaf=64,depth=3,budget=1,axes=xy",
-    "kd:lecture",
-    "kd:lecture,leaf=1,axis=longest,split=median,budget=40",
-    "kd:lecture,depth=64,split=median,axes=xy",
-];
-
-/// Those that are also built by 1, 2 and 3 threads, whatever pool the test runs in.
-const THREADED: &[&str] = &["bvh:binned", "kd:sah"];
     "octree",
     "octree:leaf=1,depth=24",
     "octree:leaf=64,depth=1",
     "octree:axes=xy",
+    "kd:lecture",
+    "kd:lecture,leaf=1,axis=longest,split=median,budget=40",
+    "kd:lecture,depth=64,split=median,axes=xy",
+    "kd:sah",
+    "kd:sah,leaf=1,empty=0.8,depth=64,budget=40",
+    "kd:sah,leaf=64,depth=3,budget=1,axes=xy",
     "bsp",
     "bsp:leaf=64,depth=3",
     "bsp:limit=0,budget=3",
     "bsp:axes=xy",
+    "bvh:median",
+    "bvh:median,leaf=1",
+    "bvh:median,leaf=64",
+    "bvh:median,axes=xy",
+    "bvh:middle",
+    "bvh:middle,leaf=1,axes=xz",
+    "bvh:equal",
+    "bvh:equal,leaf=1,axes=yz,rotate=2",
+    "bvh:sweep",
+    "bvh:sweep,leaf=1,rotate=3,reinsert=2",
+    "bvh:sweep,leaf=64,axes=xy",
+    "bvh:binned",
+    "bvh:binned,bins=2,leaf=1",
+    "bvh:binned,leaf=64",
+    "bvh:binned,axes=y",
+    "bvh:lbvh",
+    "bvh:lbvh,leaf=1,axes=y",
+    "bvh:ploc",
+    "bvh:ploc,radius=1,leaf=1",
+    "bvh:ploc,radius=256,leaf=64,axes=xy,reinsert=1",
+    "bvh:sbvh",
+    "bvh:sbvh,budget=4,alpha=0,leaf=1",
+    "bvh:sbvh,budget=2,alpha=0,bins=3,leaf=64,reinsert=2",
+    "bvh:sbvh,budget=1.5,axes=xy",
 ];
 
 /// Those that are also built by 1, 2 and 3 threads, whatever pool the test runs in.
-const THREADED: &[&str] = &["bvh:binned", "octree", "bsp"];
-const THREADED: &[&str] = &["bvh:binned", "grid", "grid2"];
+const THREADED: &[&str] = &[
+    "grid",
+    "grid2",
+    "octree",
+    "kd:sah",
+    "bsp",
+    "bvh:binned",
+    "bvh:sweep",
+    "bvh:sbvh",
+    "bvh:ploc,reinsert=1",
+];
 
 /// A structure of the table.
 #[derive(Clone, Copy, Debug)]

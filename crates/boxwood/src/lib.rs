@@ -37,7 +37,10 @@ pub mod query;
 pub use accel::boxes::{BoundingBoxes, ObjectBoxes};
 pub use accel::brute_force::BruteForce;
 pub use accel::bsp_tree::{BspData, BspSah, BspTree};
-pub use accel::bvh::{BinaryTree, BinnedSah, Bvh, Median};
+pub use accel::bvh::{
+    BinaryTree, BinnedSah, Bvh, EqualCounts, Lbvh, Median, Middle, Ploc, Refine, SpatialSplit,
+    SweepSah,
+};
 pub use accel::grid::{Density, GridBuilder, UniformGrid};
 pub use accel::kd_tree::{KdLecture, KdSah, KdTree};
 pub use accel::octree::{Octree, OctreeBuilder, OctreeData};

@@ -2,12 +2,13 @@
 
 use boxwood::accel::bvh::MAX_DEPTH;
 use boxwood::{
-    BinaryTree, BinnedSah, Bvh, Hit, Intersect, Median, Ray, TraversalStats, TriangleMesh, inspect,
+    BinaryTree, BinnedSah, Bvh, EqualCounts, Hit, Intersect, Lbvh, Median, Middle, Ploc, Ray,
+    SpatialSplit, SweepSah, TraversalStats, TriangleMesh, inspect,
 };
 use boxwood_testkit::{Random, agreement, effort, soups, structures};
 
-/// The trees of both builders, looked at closely.
-fn trees(mesh: &TriangleMesh) -> [(&'static str, BinaryTree); 3] {
+/// The trees of all builders, looked at closely.
+fn trees(mesh: &TriangleMesh) -> [(&'static str, BinaryTree); 9] {
     let small = BinnedSah {
         bins: 2,
         max_leaf: 1,
@@ -17,6 +18,12 @@ fn trees(mesh: &TriangleMesh) -> [(&'static str, BinaryTree); 3] {
         ("median", Median::default().build(mesh)),
         ("binned", BinnedSah::default().build(mesh)),
         ("binned,bins=2,leaf=1", small.build(mesh)),
+        ("middle", Middle::default().build(mesh)),
+        ("equal", EqualCounts::default().build(mesh)),
+        ("sweep", SweepSah::default().build(mesh)),
+        ("sbvh", SpatialSplit::default().build(mesh)),
+        ("lbvh", Lbvh::default().build(mesh)),
+        ("ploc", Ploc::default().build(mesh)),
     ];
     for (name, tree) in &trees {
         assert_eq!(inspect::validate(tree, mesh), Ok(()), "{name}");

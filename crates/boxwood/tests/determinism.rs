@@ -1,6 +1,9 @@
 //! Threads change nothing: the same trees node for node, the same answers ray for ray.
 
-use boxwood::{BinnedSah, Bvh, Intersect, Median, Ray};
+use boxwood::{
+    BinaryTree, BinnedSah, Bvh, EqualCounts, Intersect, Lbvh, Median, Middle, Ploc, Ray, Refine,
+    SpatialSplit, SweepSah,
+};
 use boxwood_testkit::structures::pool;
 use boxwood_testkit::{Model, Random, shapes, soups};
 
@@ -37,10 +40,31 @@ fn trees_do_not_depend_on_threads() {
                 assert!(tree == expected, "{builder:?}, {name}, {threads} threads");
             }
         }
-        let expected = pool(1).install(|| Median::default().build(&mesh));
-        for threads in [2, 3, 8] {
-            let tree = pool(threads).install(|| Median::default().build(&mesh));
-            assert!(tree == expected, "median, {name}, {threads} threads");
+        let refine = Refine {
+            reinsert: 1,
+            rotate: 1,
+        };
+        let all: [(&str, &dyn Fn() -> BinaryTree); 7] = [
+            ("median", &|| Median::default().build(&mesh)),
+            ("middle", &|| Middle::default().build(&mesh)),
+            ("equal", &|| EqualCounts::default().build(&mesh)),
+            ("sweep", &|| {
+                SweepSah {
+                    refine,
+                    ..Default::default()
+                }
+                .build(&mesh)
+            }),
+            ("sbvh", &|| SpatialSplit::default().build(&mesh)),
+            ("lbvh", &|| Lbvh::default().build(&mesh)),
+            ("ploc", &|| Ploc::default().build(&mesh)),
+        ];
+        for (builder, build) in all {
+            let expected = pool(1).install(build);
+            for threads in [2, 3, 8] {
+                let tree = pool(threads).install(build);
+                assert!(tree == expected, "{builder}, {name}, {threads} threads");
+            }
         }
     }
 }

@@ -1,11 +1,13 @@
 //! What holds for every tree of every builder, over boxes of any kind.
 
 use boxwood::accel::bvh::MAX_DEPTH;
+use boxwood::accel::bvh::refine;
 use boxwood::{
-    Aabb, BinaryTree, BinnedSah, Counters, Hit, Median, PreparedRay, Primitives, Query, Ray,
-    inspect,
+    Aabb, BinaryTree, BinnedSah, BuildError, Counters, EqualCounts, Hit, Lbvh, Limits, Median,
+    Middle, Ploc, PreparedRay, Primitives, Query, Ray, Refine, SpatialSplit, StructureKind,
+    SweepSah, inspect,
 };
-use boxwood_testkit::agreement;
+use boxwood_testkit::{Random, agreement, soups};
 use proptest::prelude::*;
 use std::ops::ControlFlow;
 
@@ -90,24 +92,103 @@ fn holds(boxes: &Boxes, tree: &BinaryTree, most: usize) -> Result<(), TestCaseEr
     Ok(())
 }
 
+/// What holds for trees that cut primitives: every part is somewhere, and there are not too many.
+fn holds_with_cuts(
+    boxes: &Boxes,
+    tree: &BinaryTree,
+    most: usize,
+    budget: f32,
+) -> Result<(), TestCaseError> {
+    prop_assert_eq!(inspect::validate(tree, boxes), Ok(()));
+    let n = boxes.0.len();
+    let found = inspect::Statistics::of_tree(tree);
+    prop_assert_eq!((found.primitives, found.references), (n, tree.order.len()));
+    prop_assert!(found.references as f32 <= budget * n as f32);
+    prop_assert!(found.largest_leaf <= most && found.depth <= MAX_DEPTH);
+    Ok(())
+}
+
 fn all_hold(boxes: &Boxes, bins: usize, leaf: usize) -> Result<(), TestCaseError> {
-    let binned = BinnedSah {
-        bins,
-        max_leaf: leaf,
-        ..Default::default()
-    };
     // Settings beyond their range are brought into it.
     let most = leaf.clamp(1, 64);
-    holds(boxes, &binned.build(boxes), most)?;
-    holds(
-        boxes,
-        &Median {
-            max_leaf: leaf,
-            ..Default::default()
-        }
-        .build(boxes),
-        most,
-    )
+    let max_leaf = leaf;
+    let refine = Refine {
+        reinsert: bins % 3,
+        rotate: bins % 2,
+    };
+    let binned = BinnedSah {
+        bins,
+        max_leaf,
+        ..Default::default()
+    };
+    let median = Median {
+        max_leaf,
+        ..Default::default()
+    };
+    let middle = Middle {
+        max_leaf,
+        refine,
+        ..Default::default()
+    };
+    let equal = EqualCounts {
+        max_leaf,
+        refine,
+        ..Default::default()
+    };
+    let sweep = SweepSah {
+        max_leaf,
+        refine,
+        ..Default::default()
+    };
+    let lbvh = Lbvh {
+        max_leaf,
+        refine,
+        ..Default::default()
+    };
+    let ploc = Ploc {
+        radius: bins,
+        max_leaf,
+        refine,
+        ..Default::default()
+    };
+    for tree in [
+        binned.build(boxes),
+        median.build(boxes),
+        middle.build(boxes),
+        equal.build(boxes),
+        sweep.build(boxes),
+        lbvh.build(boxes),
+        ploc.build(boxes),
+    ] {
+        holds(boxes, &tree, most)?;
+    }
+    let spatial = SpatialSplit {
+        budget: 2.0,
+        alpha: 0.0,
+        bins,
+        max_leaf,
+        refine,
+        ..Default::default()
+    };
+    holds_with_cuts(boxes, &spatial.build(boxes), most, 2.0)
+}
+
+/// Refinements keep trees whole, and the three that optimise never raise the cost.
+fn refinements_hold(boxes: &Boxes, tree: &BinaryTree) -> Result<(), TestCaseError> {
+    let cost = |tree: &BinaryTree| inspect::Statistics::of_tree(tree).sah_cost;
+    let refinements: [(&str, &dyn Fn(&mut BinaryTree)); 3] = [
+        ("reinsertion", &|tree| refine::reinsertion(tree, 3)),
+        ("rotation", &|tree| refine::rotation(tree, 3)),
+        ("collapse", &|tree| refine::collapse_leaves(tree, 6)),
+    ];
+    for (name, refinement) in refinements {
+        let mut refined = tree.clone();
+        refinement(&mut refined);
+        prop_assert_eq!(inspect::validate(&refined, boxes), Ok(()), "{}", name);
+        let (before, after) = (cost(tree), cost(&refined));
+        prop_assert!(after <= before * 1.000_01, "{name}: {before} to {after}");
+    }
+    Ok(())
 }
 
 proptest! {
@@ -147,5 +228,120 @@ proptest! {
         let expected = if whole > 0.0 { (sum / whole) as f32 } else { 0.0 };
         let found = inspect::Statistics::of_tree(&tree).sah_cost;
         prop_assert!((found - expected).abs() <= 1.0e-5 * expected, "{found} {expected}");
+    }
+
+    #[test]
+    fn refinements_keep_trees_whole(boxes in prop::collection::vec(tame_box(), 0..200)) {
+        let boxes = Boxes(boxes);
+        refinements_hold(&boxes, &Median::default().build(&boxes))?;
+        refinements_hold(&boxes, &Median { max_leaf: 1, ..Default::default() }.build(&boxes))?;
+        let cut = SpatialSplit { budget: 3.0, alpha: 0.0, max_leaf: 1, ..Default::default() };
+        refinements_hold(&boxes, &cut.build(&boxes))?;
+    }
+
+    #[test]
+    fn refitting_follows(
+        boxes in prop::collection::vec((tame_box(), tame_box()), 0..100),
+    ) {
+        let (before, after): (Vec<Aabb>, Vec<Aabb>) = boxes.into_iter().unzip();
+        let (before, after) = (Boxes(before), Boxes(after));
+        let cut = SpatialSplit { budget: 3.0, alpha: 0.0, max_leaf: 1, ..Default::default() };
+        for mut tree in [BinnedSah::default().build(&before), cut.build(&before)] {
+            refine::refit(&mut tree, &after);
+            prop_assert_eq!(inspect::validate(&tree, &after), Ok(()));
+        }
+    }
+}
+
+/// No point of a triangle is lost where it is cut: some leaf that names it is around the point.
+#[test]
+fn parts_cover_their_triangles() {
+    let mut random = Random::new(5);
+    for mesh in [
+        soups::needles(300, &mut random).mesh(),
+        soups::slivers(300, &mut random).mesh(),
+        soups::grid(300, &mut random).mesh(),
+    ] {
+        let builder = SpatialSplit {
+            budget: 4.0,
+            alpha: 0.0,
+            max_leaf: 1,
+            ..Default::default()
+        };
+        let tree = builder.build(&mesh);
+        assert!(tree.order.len() > 2 * mesh.len(), "nothing was cut");
+        let slack = 1.0e-6;
+        for i in 0..mesh.len() {
+            let leaves: Vec<Aabb> = tree
+                .nodes
+                .iter()
+                .filter(|n| n.is_leaf() && tree.order[n.places()].contains(&(i as u32)))
+                .map(|n| n.bounds)
+                .collect();
+            let [a, b, c] = mesh.triangle(i);
+            for _ in 0..20 {
+                let (u, v) = (random.unit(), random.unit());
+                let (u, v) = if u + v > 1.0 {
+                    (1.0 - u, 1.0 - v)
+                } else {
+                    (u, v)
+                };
+                let p = a + (b - a) * u + (c - a) * v;
+                let holds = |leaf: &Aabb| {
+                    (0..3).all(|k| leaf.lower[k] - slack <= p[k] && p[k] <= leaf.upper[k] + slack)
+                };
+                assert!(leaves.iter().any(holds), "triangle {i} at {p:?}");
+            }
+        }
+    }
+}
+
+/// Every builder ends when it is told to, and takes no more than it is given.
+#[test]
+fn limits_end_every_build() {
+    let mesh = soups::random(20_000, &mut Random::new(4)).mesh();
+    for name in [
+        "median",
+        "middle",
+        "equal",
+        "binned",
+        "sweep",
+        "sweep,reinsert=3,rotate=2",
+        "sbvh",
+        "lbvh",
+        "ploc",
+        "ploc,reinsert=2",
+    ] {
+        let kind: StructureKind = format!("bvh:{name}").parse().expect("a good name");
+        let tight = Limits {
+            memory: Some(100_000),
+            ..Limits::NONE
+        };
+        let refused = kind.build_within(&mesh, &tight).err();
+        assert!(
+            matches!(
+                refused,
+                Some(BuildError::Memory {
+                    allowed: 100_000,
+                    ..
+                })
+            ),
+            "{name}: {refused:?}"
+        );
+        for end in [0.0, 0.3, 0.9] {
+            let watch = |share: f32| {
+                if share >= end {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            };
+            let watched = Limits {
+                watch: Some(&watch),
+                ..Limits::NONE
+            };
+            let ended = kind.build_within(&mesh, &watched).err();
+            assert_eq!(ended, Some(BuildError::Cancelled), "{name} at {end}");
+        }
     }
 }

@@ -130,11 +130,7 @@ impl Space {
         query: &mut Q,
         counters: &mut C,
     ) {
-        for i in 0..primitives.len() {
-            if primitive::offer(primitives, i, ray, query, counters).is_break() {
-                return;
-            }
-        }
+        primitive::offer_all(primitives, ray, query, counters);
     }
 
     /// Shows those primitives to the query that are everywhere: the first thing a walk does.

@@ -3,7 +3,7 @@
 use super::boxes::ObjectBoxes;
 use super::brute_force::Exhaustive;
 use super::bsp_tree::BspSah;
-use super::bvh::{BinnedSah, Median};
+use super::bvh::{BinnedSah, EqualCounts, Lbvh, Median, Middle, Ploc, SpatialSplit, SweepSah};
 use super::grid::GridBuilder;
 use super::kd_tree::{KdLecture, KdSah};
 use super::octree::OctreeBuilder;
@@ -105,18 +105,30 @@ kinds! {
     Grid(GridBuilder),
     /// [`TwoLevelGrid`](super::two_level_grid::TwoLevelGrid).
     TwoLevelGrid(TwoLevelGridBuilder),
-    /// [`Bvh`](super::bvh::Bvh) over [`Median`].
-    Median(Median),
-    /// [`Bvh`](super::bvh::Bvh) over [`BinnedSah`].
-    Binned(BinnedSah),
-    /// [`KdTree`](super::kd_tree::KdTree) over [`KdSah`].
-    KdSah(KdSah),
-    /// [`KdTree`](super::kd_tree::KdTree) over [`KdLecture`].
-    KdLecture(KdLecture),
     /// [`Octree`](super::octree::Octree).
     Octree(OctreeBuilder),
+    /// [`KdTree`](super::kd_tree::KdTree) over [`KdLecture`].
+    KdLecture(KdLecture),
+    /// [`KdTree`](super::kd_tree::KdTree) over [`KdSah`].
+    KdSah(KdSah),
     /// [`BspTree`](super::bsp_tree::BspTree).
     Bsp(BspSah),
+    /// [`Bvh`](super::bvh::Bvh) over [`Median`].
+    Median(Median),
+    /// [`Bvh`](super::bvh::Bvh) over [`Middle`].
+    Middle(Middle),
+    /// [`Bvh`](super::bvh::Bvh) over [`EqualCounts`].
+    EqualCounts(EqualCounts),
+    /// [`Bvh`](super::bvh::Bvh) over [`SweepSah`].
+    Sweep(SweepSah),
+    /// [`Bvh`](super::bvh::Bvh) over [`BinnedSah`].
+    Binned(BinnedSah),
+    /// [`Bvh`](super::bvh::Bvh) over [`Lbvh`].
+    Lbvh(Lbvh),
+    /// [`Bvh`](super::bvh::Bvh) over [`Ploc`].
+    Ploc(Ploc),
+    /// [`Bvh`](super::bvh::Bvh) over [`SpatialSplit`].
+    SpatialSplit(SpatialSplit),
 }
 
 /// What a name without a method means.

@@ -7,6 +7,11 @@
 //! | [`UniformGrid`](grid::UniformGrid) | O(n) | primitives of one size, evenly spread; building often |
 //! | [`TwoLevelGrid`](two_level_grid::TwoLevelGrid) | O(n) | the same, with details of several sizes |
 //! | [`Bvh`](bvh::Bvh) over [`BinnedSah`](bvh::BinnedSah) | O(n log n) | everything: the default |
+//! | [`Bvh`](bvh::Bvh) over [`SpatialSplit`](bvh::SpatialSplit) | O(n log² n) | buildings: large triangles beside small ones |
+//! | [`Bvh`](bvh::Bvh) over [`SweepSah`](bvh::SweepSah) | O(n log n) | the best tree that cuts no primitive |
+//! | [`Bvh`](bvh::Bvh) over [`Ploc`](bvh::Ploc) | O(n) | scenes that change: a good tree, soon |
+//! | [`Bvh`](bvh::Bvh) over [`Lbvh`](bvh::Lbvh) | O(n) | a tree, at once |
+//! | [`Bvh`](bvh::Bvh) over [`Middle`](bvh::Middle), [`EqualCounts`](bvh::EqualCounts) | O(n log n) | comparing |
 //! | [`Bvh`](bvh::Bvh) over [`Median`](bvh::Median) | O(n log n) | learning: the simplest tree that works |
 //! | [`KdTree`](kd_tree::KdTree) over [`KdSah`](kd_tree::KdSah) | O(n log n) | scenes of walls and rooms; seeing space divided at its best |
 //! | [`KdTree`](kd_tree::KdTree) over [`KdLecture`](kd_tree::KdLecture) | O(n log n) | learning: axis in turn, plane in the middle |

@@ -8,6 +8,7 @@ mod double;
 mod hit;
 pub mod implicit;
 mod interval;
+pub(crate) mod morton;
 pub(crate) mod pair;
 mod plane;
 mod ray;

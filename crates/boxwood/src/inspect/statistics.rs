@@ -79,9 +79,11 @@ impl Statistics {
     /// Of a binary hierarchy.
     pub fn of_tree(tree: &BinaryTree) -> Self {
         let world = tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds);
+        // Every primitive is in some leaf, so the highest number tells.
+        let primitives = tree.order.iter().max().map_or(0, |&id| id as usize + 1);
         Self {
             bytes: size_of_val(&*tree.nodes) + size_of_val(&*tree.order),
-            ..Self::of_cells(tree.order.len(), world, |show| show_tree(tree, show))
+            ..Self::of_cells(primitives, world, |show| show_tree(tree, show))
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Whether a tree is whole: the first flaw, as a value.
 
 use crate::accel::bvh::{BinaryTree, MAX_DEPTH};
+use crate::geometry::Aabb;
 use crate::primitive::Primitives;
 
 /// What is wrong with a tree.
@@ -49,24 +50,41 @@ pub enum TreeFlaw {
         /// The node.
         node: usize,
     },
-    /// A primitive that is in no leaf, or in more than one.
-    #[error("primitive {primitive} is in {times} leaves, expected 1")]
+    /// A primitive that is in no leaf, in more than one although none was cut, or twice in one.
+    #[error("primitive {primitive} was found {times} times, expected once in each of its leaves")]
     Times {
         /// The primitive.
         primitive: usize,
         /// How often it was found.
         times: usize,
     },
+    /// A place in the order that no leaf names, or more than one.
+    #[error("place {place} of the order is in {leaves} leaves, expected 1")]
+    Place {
+        /// The place.
+        place: usize,
+        /// How many leaves name it.
+        leaves: usize,
+    },
+    /// A primitive whose leaves are not around all of it.
+    #[error("primitive {primitive} sticks out of its leaves")]
+    Uncovered {
+        /// The primitive.
+        primitive: usize,
+    },
 }
 
 /// Looks at all of a tree: every node has one parent, every box holds what is below it, every primitive is in one leaf,
-/// and no leaf is too deep. Linear time, 4 bytes per node and primitive.
+/// and no leaf is too deep. Linear time, 4 bytes per node, 32 per primitive.
+///
+/// Where the order is longer than there are primitives, some were cut and lie in several leaves: then the boxes of a
+/// primitive's leaves must together be around it, and each of them must hold some of its box.
 ///
 /// # Errors
 /// The first flaw found.
 pub fn validate(tree: &BinaryTree, primitives: &impl Primitives) -> Result<(), TreeFlaw> {
     let (nodes, order) = (&tree.nodes, &tree.order);
-    if order.len() != primitives.len() || nodes.is_empty() != order.is_empty() {
+    if order.len() < primitives.len() || nodes.is_empty() != order.is_empty() {
         return Err(TreeFlaw::Count {
             primitives: primitives.len(),
             ordered: order.len(),
@@ -74,7 +92,9 @@ pub fn validate(tree: &BinaryTree, primitives: &impl Primitives) -> Result<(), T
         });
     }
     let mut parents = alloc::vec![0_u32; nodes.len()];
-    let mut times = alloc::vec![0_u32; order.len()];
+    let cuts = order.len() > primitives.len();
+    let mut taken = alloc::vec![false; order.len()];
+    let mut found = alloc::vec![Found::default(); primitives.len()];
     let mut open = alloc::vec![(0, 0)];
     while let Some((index, depth)) = open.pop() {
         let Some(node) = nodes.get(index) else {
@@ -84,22 +104,35 @@ pub fn validate(tree: &BinaryTree, primitives: &impl Primitives) -> Result<(), T
             return Err(TreeFlaw::TooDeep { node: index });
         }
         if node.is_leaf() {
-            let places = order
+            let ids = order
                 .get(node.places())
                 .ok_or(TreeFlaw::Dangling { node: index })?;
-            for &id in places {
-                let found = times
-                    .get_mut(id as usize)
-                    .ok_or(TreeFlaw::Dangling { node: index })?;
-                *found += 1;
+            for (place, &id) in node.places().zip(ids) {
                 // Before the next leaf is read: leaves that share places would make the work quadratic.
-                if *found > 1 {
-                    return Err(TreeFlaw::Times {
-                        primitive: id as usize,
-                        times: *found as usize,
-                    });
+                if core::mem::replace(&mut taken[place], true) {
+                    return Err(TreeFlaw::Place { place, leaves: 2 });
                 }
-                if !node.bounds.contains(&primitives.bounds(id as usize)) {
+                let primitive = id as usize;
+                let found = found
+                    .get_mut(primitive)
+                    .ok_or(TreeFlaw::Dangling { node: index })?;
+                let bounds = primitives.bounds(primitive);
+                let again = found.last_leaf == Some(index as u32);
+                *found = Found {
+                    times: found.times + 1,
+                    last_leaf: Some(index as u32),
+                    around: found.around.union(node.bounds),
+                };
+                if again || (!cuts && found.times > 1) {
+                    let times = found.times as usize;
+                    return Err(TreeFlaw::Times { primitive, times });
+                }
+                let holds = if cuts {
+                    bounds.is_empty() || !node.bounds.intersection(bounds).is_empty()
+                } else {
+                    node.bounds.contains(&bounds)
+                };
+                if !holds {
                     return Err(TreeFlaw::SticksOut { node: index });
                 }
             }
@@ -126,19 +159,46 @@ pub fn validate(tree: &BinaryTree, primitives: &impl Primitives) -> Result<(), T
     if let Some(node) = (1..nodes.len()).find(|&node| parents[node] != 1) {
         return Err(TreeFlaw::Parents { node, parents: 0 });
     }
-    match times.iter().position(|&found| found != 1) {
-        Some(primitive) => Err(TreeFlaw::Times {
-            primitive,
-            times: times[primitive] as usize,
-        }),
-        None => Ok(()),
+    if let Some(place) = taken.iter().position(|taken| !taken) {
+        return Err(TreeFlaw::Place { place, leaves: 0 });
+    }
+    for (primitive, found) in found.iter().enumerate() {
+        if found.times == 0 {
+            return Err(TreeFlaw::Times {
+                primitive,
+                times: 0,
+            });
+        }
+        if !found.around.contains(&primitives.bounds(primitive)) {
+            return Err(TreeFlaw::Uncovered { primitive });
+        }
+    }
+    Ok(())
+}
+
+/// What was found of a primitive.
+#[derive(Clone, Copy)]
+struct Found {
+    times: u32,
+    last_leaf: Option<u32>,
+    /// Around all of its leaves.
+    around: Aabb,
+}
+
+impl Default for Found {
+    fn default() -> Self {
+        Self {
+            times: 0,
+            last_leaf: None,
+            around: Aabb::EMPTY,
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Aabb, Median, TriangleMesh};
+    use crate::{Median, SpatialSplit, TriangleMesh};
 
     fn strip() -> TriangleMesh {
         let positions = (0..20).map(|i| [i as f32, (i % 2) as f32, 0.0]);
@@ -183,11 +243,53 @@ mod tests {
         ));
         assert!(matches!(
             damage(&|t| t.nodes[leaf].count += 1),
-            TreeFlaw::Times { .. } | TreeFlaw::Dangling { .. } | TreeFlaw::SticksOut { .. }
+            TreeFlaw::Place { .. } | TreeFlaw::Dangling { .. } | TreeFlaw::SticksOut { .. }
         ));
         assert_eq!(
             damage(&|t| t.nodes[leaf].bounds = Aabb::EMPTY),
             TreeFlaw::SticksOut { node: leaf }
+        );
+    }
+
+    /// Trees that cut primitives are whole as long as nothing is lost.
+    #[test]
+    fn flaws_of_cut_primitives_are_found() {
+        // Two long diagonal strips that cross.
+        let corners = [[0.0, 0.0], [9.0, 9.0], [9.0, 0.0], [0.0, 9.0]];
+        let strip = |[x, y]: [f32; 2]| [[x, y, 0.0], [x + 0.1, y, 0.0]];
+        let positions = corners.into_iter().flat_map(strip);
+        let mesh = TriangleMesh::new(positions, [[0_u32, 1, 2], [1, 3, 2], [4, 5, 6], [5, 7, 6]])
+            .expect("a good mesh");
+        let builder = SpatialSplit {
+            budget: 4.0,
+            max_leaf: 1,
+            ..SpatialSplit::default()
+        };
+        let good = builder.build(&mesh);
+        assert_eq!(validate(&good, &mesh), Ok(()));
+        assert!(good.order.len() > 4, "{good:?}");
+        let leaf = |t: &BinaryTree, id: u32| {
+            let holds = |n: &crate::accel::bvh::BinaryNode| {
+                n.is_leaf() && t.order[n.places()].contains(&id)
+            };
+            t.nodes.iter().position(holds).expect("is in a leaf")
+        };
+        let mut tree = good.clone();
+        let first = leaf(&tree, 0);
+        tree.nodes[first].bounds = Aabb::new([8.9, 8.9, 0.0], [9.0, 9.0, 0.0]);
+        assert!(validate(&tree, &mesh).is_err());
+        let mut tree = good.clone();
+        tree.nodes[first].bounds = Aabb::EMPTY;
+        assert_eq!(
+            validate(&tree, &mesh),
+            Err(TreeFlaw::SticksOut { node: first })
+        );
+        let mut tree = good;
+        tree.order.push(0);
+        let place = tree.order.len() - 1;
+        assert_eq!(
+            validate(&tree, &mesh),
+            Err(TreeFlaw::Place { place, leaves: 0 })
         );
     }
 }

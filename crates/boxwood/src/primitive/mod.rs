@@ -106,6 +106,21 @@ pub fn offer<P: Primitives + ?Sized, Q: Query, C: Counters>(
     primitives.offer(i, ray, &mut InOwnBox { around, ray, query }, counters)
 }
 
+/// Shows every primitive to the query, as the judge does: for a ray that a structure cannot answer otherwise.
+#[cold]
+pub(crate) fn offer_all<P: Primitives, Q: Query, C: Counters>(
+    primitives: &P,
+    ray: &PreparedRay,
+    query: &mut Q,
+    counters: &mut C,
+) {
+    for i in 0..primitives.len() {
+        if offer(primitives, i, ray, query, counters).is_break() {
+            return;
+        }
+    }
+}
+
 struct InOwnBox<'a, Q> {
     around: Aabb,
     ray: &'a PreparedRay,

@@ -145,6 +145,11 @@ impl<P: Primitives> Traverse for Bvh<P> {
         let Some(ray) = PreparedRay::new(ray, self.bounds.scale()) else {
             return;
         };
+        // Where primitives are cut, a leaf's box holds a part of each, but such a ray may hit it anywhere in its own box.
+        if self.order.len() > self.primitives.len() && !ray.is_tame() {
+            primitive::offer_all(&self.primitives, &ray, query, counters);
+            return;
+        }
         if self.order.is_empty() {
             return;
         }

@@ -1,8 +1,8 @@
 //! Bounding volume hierarchies: builders make a [`BinaryTree`], layouts read it.
 //!
 //! *How it works.* A box around everything, two boxes in it around the halves, and so on until a handful of primitives
-//! is left. A ray that misses a box misses all inside. Builders ([`Median`], [`BinnedSah`]) only decide which primitives
-//! go where; [`Bvh`] is the readable layout with its loop.
+//! is left. A ray that misses a box misses all inside. Builders ([`BinnedSah`] and others) only decide which primitives
+//! go where; functions in [`refine`] make a finished tree better; [`Bvh`] is the readable layout with its loop.
 //!
 //! *Cost.* At most `2 n − 1` nodes of 32 bytes and 4 bytes per primitive.
 //!
@@ -10,10 +10,12 @@
 
 mod binary;
 mod build;
+pub mod refine;
 mod tree;
 
 pub use {
     binary::Bvh,
-    build::{BinnedSah, Median},
+    build::{BinnedSah, EqualCounts, Lbvh, Median, Middle, Ploc, SpatialSplit, SweepSah},
+    refine::Refine,
     tree::{BinaryNode, BinaryTree, MAX_DEPTH, MAX_LEAF},
 };

@@ -1,15 +1,30 @@
-//! Builders. A builder is its settings; it sees boxes only.
+//! Builders. A builder is its settings; it sees boxes only, unless it cuts primitives.
+//!
+//! | builder | how | source |
+//! |---|---|---|
+//! | [`Median`] | half of the primitives on each side of the longest axis | Kay & Kajiya 1986 |
+//! | [`EqualCounts`] | the same on the axis where it is cheapest | |
+//! | [`Middle`] | the middle of the longest axis | |
+//! | [`BinnedSah`] | the cheapest of a few planes | Wald 2007 |
+//! | [`SweepSah`] | the cheapest of all planes | Goldsmith & Salmon 1987, MacDonald & Booth 1990 |
+//! | [`SpatialSplit`] | that, or a plane that cuts primitives in two | Stich, Friedrich & Dietrich 2009 |
+//! | [`Lbvh`] | the bits of the primitives' places along a curve | Lauterbach et al. 2009 |
+//! | [`Ploc`] | from the leaves: neighbours along that curve join | Meister & Bittner 2018 |
 //!
 //! Large parts are built side by side in the caller's rayon pool; the tree does not depend on the threads.
 
-/// The [`Settings`](crate::accel::settings::Settings) of a builder whose trees go into a [`Bvh`](super::Bvh).
+/// The [`Settings`](crate::accel::settings::Settings) of a builder whose trees go into a [`Bvh`](super::Bvh). With `+
+/// refine` the settings of its field `refine` follow its own.
 macro_rules! bvh_settings {
-    ($builder:ty, $name:literal, |$it:ident| $settings:expr) => {
+    ($builder:ty, $name:literal, |$it:ident| $settings:expr $(, + $refine:ident)?) => {
         impl crate::accel::settings::Settings for $builder {
             const NAME: &'static str = $name;
             fn settings(&mut self) -> alloc::vec::Vec<Setting<'_>> {
                 let $it = self;
-                $settings.into()
+                #[allow(unused_mut, reason = "only some builders refine")]
+                let mut all = alloc::vec::Vec::from($settings);
+                $(all.extend($it.$refine.settings());)?
+                all
             }
             fn structure<'a, P: Primitives + Send + Sync + 'a>(
                 &self,
@@ -26,20 +41,30 @@ macro_rules! bvh_settings {
 }
 
 mod binned_sah;
+mod equal_counts;
+mod lbvh;
 mod median;
+mod middle;
+mod ploc;
+mod spatial_split;
+mod sweep;
+mod sweep_sah;
+mod top_down;
 
-pub use {binned_sah::BinnedSah, median::Median};
+pub use {
+    binned_sah::BinnedSah, equal_counts::EqualCounts, lbvh::Lbvh, median::Median, middle::Middle,
+    ploc::Ploc, spatial_split::SpatialSplit, sweep_sah::SweepSah,
+};
 
-use super::tree::{BinaryNode, BinaryTree, MAX_DEPTH};
-use crate::accel::limits::Site;
-use crate::accel::{Axes, BuildError, Limits};
+use super::tree::{BinaryNode, BinaryTree};
 use crate::geometry::{Aabb, Vec3};
 use crate::primitive::Primitives;
 use alloc::vec::Vec;
 #[cfg(feature = "parallel")]
-use rayon::prelude::*;
+use top_down::SEQUENTIAL;
+use top_down::{Extent, Split, top_down};
 
-/// A primitive on its way through a builder.
+/// A primitive, or a part of one, on its way through a builder.
 #[derive(Clone, Copy, Debug)]
 struct Item {
     bounds: Aabb,
@@ -51,21 +76,23 @@ impl Item {
     fn centroid(&self) -> Vec3 {
         self.bounds.centroid()
     }
-}
 
-/// What a builder says of some primitives.
-enum Split {
-    /// They stay together.
-    Leaf,
-    /// They were reordered, and the second half begins here.
-    At(usize),
-    /// They lie all in one place, or no cut is worth more than another: cut them in the middle.
-    Halve,
-}
+    /// Around some items.
+    fn around(items: &[Self]) -> Aabb {
+        items
+            .iter()
+            .fold(Aabb::EMPTY, |b, item| b.union(item.bounds))
+    }
 
-/// Below this many primitives a subtree is built by one thread.
-#[cfg(feature = "parallel")]
-const SEQUENTIAL: usize = 4096;
+    /// Orders items along an axis by their middles; `tie` decides between equal ones. Infinities and NaN have a place too.
+    #[inline(always)]
+    fn key(&self, axis: usize, tie: u32) -> u64 {
+        let bits = self.centroid()[axis].to_bits();
+        // Flips all bits of negative numbers and the sign of the others: then they ascend like whole numbers.
+        let place = bits ^ (((bits as i32 >> 31) as u32) | 1 << 31);
+        u64::from(place) << 32 | u64::from(tie)
+    }
+}
 
 /// The bytes that a builder needs for each primitive: its item, two nodes at most, a place in the order.
 const BYTES_EACH: usize = size_of::<Item>() + 2 * size_of::<BinaryNode>() + size_of::<u32>();
@@ -77,151 +104,4 @@ fn items(primitives: &impl Primitives) -> Vec<Item> {
         id: i as u32,
     };
     (0..primitives.len()).map(item).collect()
-}
-
-/// Splits top-down: `split` reorders its slice and says where to cut.
-///
-/// Where the tree would grow deeper than [`MAX_DEPTH`], every further cut is in the middle.
-fn top_down<P: Primitives>(
-    primitives: &P,
-    axes: Axes,
-    limits: &Limits<'_>,
-    split: &(impl Fn(&mut [Item], &Extent) -> Split + Sync),
-) -> Result<BinaryTree, BuildError> {
-    let site = Site::new(limits, primitives.len());
-    if primitives.is_empty() || !site.take(BYTES_EACH.saturating_mul(primitives.len())) {
-        return site.finish(BinaryTree::default());
-    }
-    let mut items = items(primitives);
-    let mut nodes = Vec::new();
-    subtree(
-        &mut items,
-        0,
-        0,
-        &Work {
-            axes,
-            site: &site,
-            split,
-        },
-        &mut nodes,
-    );
-    site.finish(BinaryTree {
-        nodes,
-        order: items.iter().map(|item| item.id).collect(),
-    })
-}
-
-/// What all parts of one top-down build share.
-struct Work<'a, S> {
-    axes: Axes,
-    site: &'a Site<'a>,
-    split: &'a S,
-}
-
-/// Builds the tree of `items`, which begin at place `start` of the order, behind what `nodes` already holds.
-/// Its root comes first; numbers of children count from the root.
-fn subtree(
-    items: &mut [Item],
-    start: usize,
-    depth: usize,
-    work: &Work<'_, impl Fn(&mut [Item], &Extent) -> Split + Sync>,
-    nodes: &mut Vec<BinaryNode>,
-) {
-    let root = nodes.len();
-    nodes.push(leaf(items, start));
-    // Work left to do: a node, its places in `items`, its depth.
-    let mut open = alloc::vec![(root, 0..items.len(), depth)];
-    while let Some((node, range, depth)) = open.pop() {
-        let slice = &mut items[range.clone()];
-        // So many levels are enough to halve the rest down to single primitives.
-        let levels = usize::BITS - (slice.len() - 1).leading_zeros();
-        let may_choose = depth + (levels as usize) < MAX_DEPTH;
-        if work.site.is_over() {
-            return;
-        }
-        let cut = match (work.split)(slice, &Extent::of(slice, work.axes)) {
-            Split::Leaf => {
-                work.site.advance(slice.len());
-                continue;
-            }
-            Split::At(cut) if may_choose && 0 < cut && cut < slice.len() => range.start + cut,
-            Split::At(_) | Split::Halve => range.start + slice.len() / 2,
-        };
-        let pair = nodes.len();
-        nodes[node].first = (pair - root) as u32;
-        nodes[node].count = 0;
-        #[cfg(feature = "parallel")]
-        if range.len() > SEQUENTIAL {
-            let (left, right) = items[range.clone()].split_at_mut(cut - range.start);
-            let build = |items: &mut [Item], from: usize| {
-                let mut nodes = Vec::new();
-                subtree(items, start + from, depth + 1, work, &mut nodes);
-                nodes
-            };
-            let (left, right) = rayon::join(|| build(left, range.start), || build(right, cut));
-            append_pair(nodes, root, [left, right]);
-            continue;
-        }
-        nodes.push(leaf(&items[range.start..cut], start + range.start));
-        nodes.push(leaf(&items[cut..range.end], start + cut));
-        open.push((pair + 1, cut..range.end, depth + 1));
-        open.push((pair, range.start..cut, depth + 1));
-    }
-}
-
-/// Two finished subtrees behind the nodes that are there: both roots, then what is below the one and the other.
-#[cfg(feature = "parallel")]
-fn append_pair(nodes: &mut Vec<BinaryNode>, root: usize, halves: [Vec<BinaryNode>; 2]) {
-    let at = nodes.len() - root;
-    // Children in the left half move by `at + 1`, those in the right half by the left half's length more.
-    let moves = [at + 1, at + halves[0].len()];
-    let moved = |node: &BinaryNode, by: usize| BinaryNode {
-        first: node.first + if node.is_leaf() { 0 } else { by as u32 },
-        ..*node
-    };
-    for (half, by) in halves.iter().zip(moves) {
-        nodes.push(moved(&half[0], by));
-    }
-    for (half, by) in halves.iter().zip(moves) {
-        nodes.extend(half[1..].iter().map(|node| moved(node, by)));
-    }
-}
-
-fn leaf(items: &[Item], start: usize) -> BinaryNode {
-    BinaryNode {
-        bounds: items
-            .iter()
-            .fold(Aabb::EMPTY, |b, item| b.union(item.bounds)),
-        first: start as u32,
-        count: items.len() as u32,
-    }
-}
-
-/// Where the middles of some primitives lie.
-struct Extent {
-    around: Aabb,
-    axes: Axes,
-}
-
-impl Extent {
-    fn of(items: &[Item], axes: Axes) -> Self {
-        #[cfg(feature = "parallel")]
-        if items.len() > 16 * SEQUENTIAL {
-            let around = items
-                .par_chunks(SEQUENTIAL)
-                .map(|items| Aabb::of(items.iter().map(Item::centroid)))
-                .reduce(|| Aabb::EMPTY, Aabb::union);
-            return Self { around, axes };
-        }
-        Self {
-            around: Aabb::of(items.iter().map(Item::centroid)),
-            axes,
-        }
-    }
-    /// The longest axis that may be divided, and its length.
-    fn longest(&self) -> (usize, f32) {
-        let size = self.around.size();
-        let axis = self.axes.longest(size);
-        (axis, size[axis])
-    }
 }

@@ -1,0 +1,87 @@
+//! The cheapest place to cut a row in two by the surface-area heuristic.
+//!
+//! *How it works.* One sweep from the right notes what everything behind each cut costs, one from the left adds what lies
+//! before it. A row is of primitives, or of bins that know how many begin and how many end in them.
+//!
+//! *Cost.* Two unions and one product a slot.
+
+use crate::geometry::Aabb;
+
+/// One place in a row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slot {
+    pub bounds: Aabb,
+    /// How many primitives begin here: they count on the left of every later cut.
+    pub begin: u32,
+    /// How many end here: they count on the right of every earlier cut.
+    pub end: u32,
+}
+
+/// Where to cut, and what it costs in areas times primitives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cut {
+    /// The first slot of the right half.
+    pub at: usize,
+    pub cost: f32,
+    /// How many primitives lie on the side that has fewer.
+    smaller_half: u32,
+}
+
+impl Cut {
+    /// Cheaper, or as cheap and more even: boxes along a line have no area, and all cuts through them cost nothing.
+    pub fn is_better(&self, other: &Self) -> bool {
+        self.cost < other.cost
+            || (self.cost == other.cost && self.smaller_half > other.smaller_half)
+    }
+}
+
+/// What some primitives cost: a number, even for infinite boxes that are flat.
+#[inline(always)]
+fn cost(bounds: &Aabb, count: u32) -> f32 {
+    let cost = bounds.half_area() * count as f32;
+    if cost < f32::INFINITY {
+        cost
+    } else {
+        f32::INFINITY
+    }
+}
+
+/// The cheapest cut of a row of `len` slots that leaves primitives on both sides and, where some are cut in two, at most
+/// `most` in all. `behind` is scratch for at least `len` numbers.
+#[inline(always)]
+pub(super) fn cheapest_cut(
+    len: usize,
+    most: u32,
+    behind: &mut [f32],
+    slot: impl Fn(usize) -> Slot,
+) -> Option<Cut> {
+    let mut bounds = Aabb::EMPTY;
+    let mut right = 0;
+    for i in (1..len).rev() {
+        let slot = slot(i);
+        (bounds, right) = (bounds.union(slot.bounds), right + slot.end);
+        behind[i] = cost(&bounds, right);
+    }
+    let mut best: Option<Cut> = None;
+    let mut bounds = Aabb::EMPTY;
+    let mut left = 0;
+    for at in 1..len {
+        let before = slot(at - 1);
+        (bounds, left) = (bounds.union(before.bounds), left + before.begin);
+        if at > 1 {
+            right -= before.end;
+        }
+        if left == 0 || right == 0 || left + right > most {
+            continue;
+        }
+        let cut = Cut {
+            at,
+            cost: cost(&bounds, left) + behind[at],
+            smaller_half: left.min(right),
+        };
+        if best.as_ref().is_none_or(|best| cut.is_better(best)) {
+            best = Some(cut);
+        }
+    }
+    best
+}
