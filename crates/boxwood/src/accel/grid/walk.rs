@@ -75,10 +75,10 @@ impl Way {
             backward: [false; 3],
         };
         let (mut enter, mut leave) = (ray.t_min, f32::INFINITY);
-        for k in 0..3 {
+        for (k, edge) in edge.into_iter().enumerate() {
             let inverse = ray.inverse()[k];
-            let size = lattice.size[k] as f32 * edge[k] as f32;
-            let count = lattice.resolution[k].div_ceil(edge[k]) as f32;
+            let size = lattice.size[k] as f32 * edge as f32;
+            let count = lattice.resolution[k].div_ceil(edge) as f32;
             let lower = lattice.lower[k] as f32;
             let backward = inverse < 0.0;
             let plane = if backward {
