@@ -76,6 +76,7 @@ impl Node {
         first..first + self.count()
     }
     /// The same node of a tree that lies behind `nodes` other nodes and `references` other references.
+    #[cfg(any(test, feature = "parallel"))]
     pub fn moved(self, nodes: usize, references: usize) -> Self {
         if self.is_leaf() {
             Self::leaf(self.word as usize + references, self.count())
