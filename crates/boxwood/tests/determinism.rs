@@ -44,7 +44,7 @@ fn trees_do_not_depend_on_threads() {
             reinsert: 1,
             rotate: 1,
         };
-        let all: [(&str, &dyn Fn() -> BinaryTree); 7] = [
+        let all: [(&str, &(dyn Fn() -> BinaryTree + Sync)); 7] = [
             ("median", &|| Median::default().build(&mesh)),
             ("middle", &|| Middle::default().build(&mesh)),
             ("equal", &|| EqualCounts::default().build(&mesh)),
