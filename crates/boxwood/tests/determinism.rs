@@ -13,7 +13,7 @@ fn models() -> [(&'static str, Model); 3] {
     [
         (
             "random",
-            soups::random(90_000, &mut random).with(&soups::mixed_sizes(20_000, &mut random)),
+            soups::random(60_000, &mut random).with(&soups::mixed_sizes(8_000, &mut random)),
         ),
         ("grid", soups::grid(20_000, &mut random)),
         ("sphere", shapes::sphere(150, 100)),
