@@ -13,7 +13,7 @@ fn models() -> [(&'static str, Model); 3] {
     [
         (
             "random",
-            soups::random(90_000, &mut random).with(&soups::mixed_sizes(20_000, &mut random)),
+            soups::random(60_000, &mut random).with(&soups::mixed_sizes(8_000, &mut random)),
         ),
         ("grid", soups::grid(20_000, &mut random)),
         ("sphere", shapes::sphere(150, 100)),
@@ -44,7 +44,7 @@ fn trees_do_not_depend_on_threads() {
             reinsert: 1,
             rotate: 1,
         };
-        let all: [(&str, &dyn Fn() -> BinaryTree); 7] = [
+        let all: [(&str, &(dyn Fn() -> BinaryTree + Sync)); 7] = [
             ("median", &|| Median::default().build(&mesh)),
             ("middle", &|| Middle::default().build(&mesh)),
             ("equal", &|| EqualCounts::default().build(&mesh)),

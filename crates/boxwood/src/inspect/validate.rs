@@ -254,12 +254,14 @@ mod tests {
     /// Trees that cut primitives are whole as long as nothing is lost.
     #[test]
     fn flaws_of_cut_primitives_are_found() {
-        // Two long diagonal strips that cross.
-        let corners = [[0.0, 0.0], [9.0, 9.0], [9.0, 0.0], [0.0, 9.0]];
-        let strip = |[x, y]: [f32; 2]| [[x, y, 0.0], [x + 0.1, y, 0.0]];
-        let positions = corners.into_iter().flat_map(strip);
-        let mesh = TriangleMesh::new(positions, [[0_u32, 1, 2], [1, 3, 2], [4, 5, 6], [5, 7, 6]])
-            .expect("a good mesh");
+        // Needles from corner to corner, side by side.
+        let needle = |i: u8| {
+            let x = f32::from(i) * 0.1;
+            [[x, 0.0, 0.0], [x + 0.05, 0.0, 0.0], [x + 9.0, 9.0, 9.0]]
+        };
+        let positions = (0..4).flat_map(needle);
+        let triangles = (0..4_u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+        let mesh = TriangleMesh::new(positions, triangles).expect("a good mesh");
         let builder = SpatialSplit {
             budget: 4.0,
             max_leaf: 1,
@@ -276,8 +278,11 @@ mod tests {
         };
         let mut tree = good.clone();
         let first = leaf(&tree, 0);
-        tree.nodes[first].bounds = Aabb::new([8.9, 8.9, 0.0], [9.0, 9.0, 0.0]);
-        assert!(validate(&tree, &mesh).is_err());
+        tree.nodes[first].bounds.lower = good.nodes[first].bounds.upper;
+        assert_eq!(
+            validate(&tree, &mesh),
+            Err(TreeFlaw::Uncovered { primitive: 0 })
+        );
         let mut tree = good.clone();
         tree.nodes[first].bounds = Aabb::EMPTY;
         assert_eq!(

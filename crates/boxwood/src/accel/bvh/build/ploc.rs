@@ -49,7 +49,7 @@ const TOO_FEW: usize = 16;
 impl Default for Ploc {
     fn default() -> Self {
         Self {
-            radius: 14,
+            radius: 8,
             max_leaf: 8,
             axes: Axes::XYZ,
             refine: Refine::NONE,

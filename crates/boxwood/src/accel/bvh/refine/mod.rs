@@ -58,6 +58,10 @@ impl Refine {
 
     /// Refines a tree that is being built; stops early when the build is over.
     pub(crate) fn apply(self, tree: &mut BinaryTree, site: &Site<'_>) {
+        // The tree of a build that is over is not whole.
+        if site.is_over() {
+            return;
+        }
         let count = tree.order.len();
         for _ in 0..self.rotate.min(Self::MOST) {
             if !site.advance(count) || !rotation::round(tree) {
@@ -66,9 +70,10 @@ impl Refine {
         }
         if self.reinsert > 0 && site.take(reinsertion::bytes(tree)) {
             for _ in 0..self.reinsert.min(Self::MOST) {
-                if !reinsertion::round(tree, site) || !site.advance(count * REINSERTION_WORK) {
+                if site.is_over() || !reinsertion::round(tree, site) {
                     break;
                 }
+                site.advance(count * (REINSERTION_WORK - 2));
             }
             site.give(reinsertion::bytes(tree));
         }
@@ -76,6 +81,7 @@ impl Refine {
 }
 
 /// A round of reinsertion takes as long as so many levels of a build.
+/// Searches tell of two of them, one for each node.
 const REINSERTION_WORK: usize = 8;
 
 /// The area of all inner nodes. Leaves keep theirs while subtrees move, so this is the part of the cost that changes.

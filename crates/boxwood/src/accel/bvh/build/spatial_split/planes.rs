@@ -166,9 +166,8 @@ impl<P: Primitives + Sync> Splitter<'_, P> {
             }
         }
         let added = (left.len() + right.len()).checked_sub(part.items.len())?;
+        // Even where both sides hold a part of everything, it ends: the spare references do.
         let divided = !left.is_empty() && !right.is_empty() && added <= part.spare;
-        // Left alone, a side that holds everything would be divided in the same way again.
-        let lessens = left.len() < part.items.len() || right.len() < part.items.len();
-        (divided && lessens).then(|| [References::of(left, 0), References::of(right, 0)])
+        divided.then(|| [References::of(left, 0), References::of(right, 0)])
     }
 }
