@@ -221,7 +221,7 @@ impl<P: Primitives + Sync> Work<'_, P> {
             bounds: octant_bounds(&cell.bounds, cell.place.middle, octant),
             depth: cell.depth + 1,
             budget: budgets[octant],
-            // Half for this cell's own work.
+            // A quarter is this cell's own work.
             units: (cell.units as f64 * 0.75 * counts[octant] as f64 / total as f64) as usize,
         };
         let octants = (0..8).filter(|&octant| counts[octant] > 0);
