@@ -26,7 +26,7 @@ const TABLE: &[&str] = &[
 ];
 
 /// Those that are also built by 1, 2 and 3 threads, whatever pool the test runs in.
-const THREADED: &[&str] = &["bvh:binned", "octree", "bsp"];
+const THREADED: &[&str] = &["bvh:binned", "octree"];
 
 /// A structure of the table.
 #[derive(Clone, Copy, Debug)]
