@@ -142,6 +142,10 @@ impl<'a> Site<'a> {
     ///
     /// Cheap enough for every few hundred primitives, not for each.
     pub fn advance(&self, units: usize) -> bool {
+        // What is over is unwound, and nobody is asked again.
+        if self.is_over() {
+            return false;
+        }
         if let Some(watch) = self.limits.watch {
             let done = self.done.fetch_add(units, Relaxed) + units;
             let due = self.tell_at.load(Relaxed);

@@ -42,7 +42,7 @@ impl Default for BspSah {
             leaf: 1,
             depth: 56,
             limit: 500_000,
-            budget: 24.0,
+            budget: 16.0,
             axes: Axes::XYZ,
         }
     }

@@ -17,7 +17,7 @@ const TOGETHER: usize = 256;
 pub(crate) fn most_references(primitives: usize) -> usize {
     primitives
         .saturating_mul(32)
-        .saturating_add(1 << 22)
+        .saturating_add(1 << 18)
         .min(1 << 28)
 }
 

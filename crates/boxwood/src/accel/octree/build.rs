@@ -221,7 +221,7 @@ impl<P: Primitives + Sync> Work<'_, P> {
             bounds: octant_bounds(&cell.bounds, cell.place.middle, octant),
             depth: cell.depth + 1,
             budget: budgets[octant],
-            // Half for this cell's own work.
+            // A quarter is this cell's own work.
             units: (cell.units as f64 * 0.75 * counts[octant] as f64 / total as f64) as usize,
         };
         let octants = (0..8).filter(|&octant| counts[octant] > 0);
@@ -306,15 +306,15 @@ impl<P: Primitives + Sync> Work<'_, P> {
     fn octants(&self, item: &Item, cell: &Cell) -> u8 {
         let mut octants = 0xff_u8;
         let mut astride = 0;
-        for axis in 0..3 {
+        for (axis, &below) in LOW.iter().enumerate() {
             let plane = cell.place.middle[axis];
             let divided = self.axes.has(axis);
             let low = !divided || item.bounds.lower[axis] <= plane + self.pad;
             let high = divided && item.bounds.upper[axis] >= plane - self.pad;
             octants &= match (low, high) {
                 (true, true) => 0xff,
-                (true, false) => LOW[axis],
-                (false, _) => !LOW[axis],
+                (true, false) => below,
+                (false, _) => !below,
             };
             astride += u32::from(low && high);
         }

@@ -37,6 +37,7 @@ impl Node {
         }
     }
     /// The same in a list that begins at `nodes` and `references` of a longer one.
+    #[cfg(feature = "parallel")]
     pub fn moved(self, nodes: usize, references: usize) -> Self {
         let by = if self.is_leaf() { references } else { nodes };
         Self {
