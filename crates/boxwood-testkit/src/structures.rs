@@ -71,7 +71,6 @@ const THREADED: &[&str] = &[
     "bvh:sbvh",
     "bvh:ploc,reinsert=1",
 ];
-const THREADED: &[&str] = &["bvh:binned", "octree"];
 
 /// A structure of the table.
 #[derive(Clone, Copy, Debug)]

@@ -51,7 +51,7 @@ macro_rules! kinds {
                     $(Self::$variant(_) => <$builder as Settings>::NAME,)*
                 }
             }
-            /// What settings there are and what fits: `bins=2…64, leaf=1…64 and axes=xyz`.
+            /// What settings there are and what fits: `bins=2…64, leaf=1…64, axes=xyz, …`.
             pub fn settings(&self) -> String {
                 match self {
                     $(Self::$variant(_) => settings::known::<$builder>(),)*

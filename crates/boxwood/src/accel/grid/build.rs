@@ -54,7 +54,7 @@ impl GridBuilder {
     }
 
     /// Builds a grid within limits. Where memory does not suffice for the cells that were asked for, or where primitives
-    /// would lie in more than 32 cells each and four million besides, there are half as many on each axis, and half again,
+    /// would lie in more than 32 cells each and 262,144 besides, there are half as many on each axis, and half again,
     /// down to one cell.
     ///
     /// # Errors

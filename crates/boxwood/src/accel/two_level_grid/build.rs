@@ -65,7 +65,7 @@ impl TwoLevelGridBuilder {
     }
 
     /// Builds a grid within limits. Where memory does not suffice, or where primitives would lie in more than 32 cells each
-    /// and four million besides, there are an eighth of the blocks and half of the cells, and so on, down to one block
+    /// and 262,144 besides, there are an eighth of the blocks and half of the cells, and so on, down to one block
     /// with one cell.
     ///
     /// # Errors

@@ -9,7 +9,9 @@
 //!
 //! *Source.* Wald 2007, *On Fast Construction of SAH-based Bounding Volume Hierarchies*.
 
-use super::{BinaryTree, Extent, Item, Split, top_down};
+use super::top_down::{Extent, SEQUENTIAL, Split, top_down_refined};
+use super::{BinaryTree, Item};
+use crate::accel::bvh::refine::Refine;
 use crate::accel::bvh::tree::MAX_LEAF;
 use crate::accel::limits::unlimited;
 use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
@@ -29,6 +31,8 @@ pub struct BinnedSah {
     pub max_leaf: usize,
     /// The axes that may be divided.
     pub axes: Axes,
+    /// What is done to the tree afterwards.
+    pub refine: Refine,
 }
 
 /// The most bins there may be.
@@ -40,6 +44,7 @@ impl Default for BinnedSah {
             bins: 16,
             max_leaf: 8,
             axes: Axes::XYZ,
+            refine: Refine::NONE,
         }
     }
 }
@@ -62,11 +67,15 @@ impl BinnedSah {
         let settings = Self {
             bins: self.bins.clamp(2, MAX_BINS),
             max_leaf: self.max_leaf.clamp(1, MAX_LEAF),
-            axes: self.axes,
+            ..*self
         };
-        top_down(primitives, self.axes, limits, &|items, extent| {
-            settings.split(items, extent)
-        })
+        top_down_refined(
+            primitives,
+            self.axes,
+            self.refine,
+            limits,
+            &|items, extent| settings.split(items, extent),
+        )
     }
 
     fn split(&self, items: &mut [Item], extent: &Extent) -> Split {
@@ -259,10 +268,10 @@ impl Bins {
 
     fn fill<const N: usize>(&self, items: &[Item]) -> Filled<N> {
         #[cfg(feature = "parallel")]
-        if items.len() > 16 * super::SEQUENTIAL {
+        if items.len() > 16 * SEQUENTIAL {
             // Unions and sums of whole numbers: the order does not count.
             return items
-                .par_chunks(2 * super::SEQUENTIAL)
+                .par_chunks(2 * SEQUENTIAL)
                 .map(|items| self.fill_some(items))
                 .reduce(Filled::empty, Filled::merge);
         }
@@ -341,8 +350,13 @@ impl<const N: usize> Filled<N> {
     }
 }
 
-bvh_settings!(BinnedSah, "bvh:binned", |builder| [
-    Setting::count("bins", &mut builder.bins, 2..=MAX_BINS),
-    Setting::count("leaf", &mut builder.max_leaf, 1..=MAX_LEAF),
-    Setting::axes(&mut builder.axes),
-]);
+bvh_settings!(
+    BinnedSah,
+    "bvh:binned",
+    |builder| [
+        Setting::count("bins", &mut builder.bins, 2..=MAX_BINS),
+        Setting::count("leaf", &mut builder.max_leaf, 1..=MAX_LEAF),
+        Setting::axes(&mut builder.axes),
+    ],
+    +refine
+);

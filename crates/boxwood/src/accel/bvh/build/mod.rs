@@ -60,8 +60,6 @@ use super::tree::{BinaryNode, BinaryTree};
 use crate::geometry::{Aabb, Vec3};
 use crate::primitive::Primitives;
 use alloc::vec::Vec;
-#[cfg(feature = "parallel")]
-use top_down::SEQUENTIAL;
 use top_down::{Extent, Split, top_down};
 
 /// A primitive, or a part of one, on its way through a builder.
