@@ -9,6 +9,7 @@ mod hit;
 pub mod implicit;
 mod interval;
 mod plane;
+mod prism;
 mod ray;
 pub mod real;
 mod roots;
@@ -33,6 +34,7 @@ pub use {
     implicit::ImplicitSurface,
     interval::Interval,
     plane::Plane,
+    prism::{Figure, Prism},
     sphere::Sphere,
     torus::Torus,
 };
