@@ -2,9 +2,9 @@
 
 use super::tree::{BinaryTree, MAX_DEPTH};
 use crate::geometry::{Aabb, PreparedRay, Ray};
-use crate::inspect::{self, Statistics, TreeFlaw};
+use crate::inspect::{self, Cell, Statistics, TreeFlaw};
 use crate::primitive::{self, Primitives};
-use crate::query::{Counters, Query, Traverse};
+use crate::query::{Counters, Query, Step, Traverse, Verdict};
 
 /// A binary hierarchy over owned, borrowed or shared primitives.
 #[derive(Clone, Debug)]
@@ -46,6 +46,27 @@ impl<P: Primitives> Bvh<P> {
     }
 }
 
+/// What happens to a node's box; `opened` is its lot where the ray enters it.
+fn held(ray: &PreparedRay, node: usize, bounds: Aabb, t_max: f32, opened: Verdict) -> Step {
+    let (enter, leave) = ray.slabs(&bounds);
+    let verdict = if !(enter <= leave) {
+        Verdict::Missed
+    } else if leave < ray.t_min {
+        Verdict::Behind
+    } else if enter > t_max {
+        Verdict::Beyond
+    } else {
+        opened
+    };
+    Step::Box {
+        node: node as u32,
+        bounds,
+        enter,
+        leave,
+        verdict,
+    }
+}
+
 impl<P: Primitives> Traverse for Bvh<P> {
     fn bounds(&self) -> Aabb {
         let root = self.tree.nodes.first();
@@ -56,6 +77,26 @@ impl<P: Primitives> Traverse for Bvh<P> {
         Statistics::of_tree(&self.tree)
     }
 
+    fn cells(&self, show: &mut dyn FnMut(&Cell<'_>)) {
+        let mut open = alloc::vec![(0, 0)];
+        while let Some((index, depth)) = open.pop() {
+            let Some(node) = self.tree.nodes.get(index) else {
+                continue;
+            };
+            show(&Cell {
+                node: index as u32,
+                depth,
+                bounds: node.bounds,
+                primitives: node.is_leaf().then_some(node.count),
+                sides: &[],
+            });
+            if !node.is_leaf() {
+                let [a, b] = node.children();
+                open.extend([(b, depth + 1), (a, depth + 1)]);
+            }
+        }
+    }
+
     fn traverse<Q: Query, C: Counters>(&self, ray: &Ray, query: &mut Q, counters: &mut C) {
         let Some(ray) = PreparedRay::new(ray, Traverse::bounds(self).scale()) else {
             return;
@@ -64,6 +105,11 @@ impl<P: Primitives> Traverse for Bvh<P> {
         let mut stack = [(0_u32, 0.0_f32); MAX_DEPTH];
         let mut pending = 0;
         let mut current = 0;
+        if C::EXPLAINS
+            && let Some(root) = nodes.first()
+        {
+            counters.step(held(&ray, 0, root.bounds, query.t_max(), Verdict::Opened));
+        }
         if nodes.is_empty() || ray.enters(&nodes[0].bounds, query.t_max()).is_none() {
             return;
         }
@@ -72,6 +118,12 @@ impl<P: Primitives> Traverse for Bvh<P> {
             let mut next = None;
             if node.is_leaf() {
                 counters.leaf();
+                if C::EXPLAINS {
+                    counters.step(Step::Leaf {
+                        node: current as u32,
+                        primitives: node.count,
+                    });
+                }
                 for &id in &self.tree.order[node.places()] {
                     if primitive::offer(&self.primitives, id as usize, &ray, query, counters)
                         .is_break()
@@ -85,6 +137,19 @@ impl<P: Primitives> Traverse for Bvh<P> {
                 let t_max = query.t_max();
                 let to_a = ray.enters(&nodes[a].bounds, t_max);
                 let to_b = ray.enters(&nodes[b].bounds, t_max);
+                if C::EXPLAINS {
+                    let a_waits =
+                        matches!((to_a, to_b), (Some(a), Some(b)) if Q::ORDERED && !(a <= b));
+                    let b_waits = to_a.is_some() && !a_waits;
+                    for (child, waits) in [(a, a_waits), (b, b_waits)] {
+                        let opened = if waits {
+                            Verdict::Deferred
+                        } else {
+                            Verdict::Opened
+                        };
+                        counters.step(held(&ray, child, nodes[child].bounds, t_max, opened));
+                    }
+                }
                 next = match (to_a, to_b) {
                     (None, None) => None,
                     (Some(_), None) => Some(a),
@@ -109,6 +174,13 @@ impl<P: Primitives> Traverse for Bvh<P> {
                 }
                 pending -= 1;
                 let (index, entry) = stack[pending];
+                if C::EXPLAINS {
+                    counters.step(Step::Resumed {
+                        node: index,
+                        enter: entry,
+                        dropped: !(entry <= query.t_max()),
+                    });
+                }
                 if entry <= query.t_max() {
                     next = Some(index as usize);
                 }
