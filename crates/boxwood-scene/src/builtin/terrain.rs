@@ -16,7 +16,7 @@ use rayon::prelude::*;
 /// Half the length of the land, in metres.
 const HALF: f64 = 2000.0;
 /// The lake's level, in metres.
-const LAKE: f64 = 60.0;
+const LAKE: f64 = 112.0;
 
 /// A height field 4 km wide of about `n` triangles: as near to it as a square grid comes.
 pub(super) fn terrain(n: u32, seed: u64) -> Scene {
@@ -33,7 +33,7 @@ pub(super) fn terrain(n: u32, seed: u64) -> Scene {
     let mut scene = stage.scene;
     scene.lights = vec![sun([0.75, -0.42, -0.25])];
     scene.cameras = vec![
-        camera("main", [-700.0, 900.0, 2500.0], [60.0, 130.0, 150.0], 38.0),
+        camera("main", [-750.0, 760.0, 2350.0], [60.0, 215.0, 100.0], 40.0),
         camera(
             "overview",
             [-2900.0, 1900.0, 3300.0],
@@ -56,17 +56,19 @@ impl Land {
         let (mut ridges, mut weight, mut tall, mut wide) = (0.0, 1.0, 0.55, 1.0);
         for octave in 0..9 {
             let offset = 17.3 * f64::from(octave);
-            let noise = self.0.at(u * 1.1 * wide + offset, v * 1.1 * wide - offset);
+            let noise = self
+                .0
+                .at(u * 1.25 * wide + offset, v * 1.25 * wide - offset);
             let ridge = (1.0 - noise.abs()).max(0.0);
             let ridge = ridge * ridge * weight;
             weight = (ridge * 1.4).clamp(0.0, 1.0);
             ridges += tall * ridge;
-            (tall, wide) = (tall * 0.44, wide * 2.07);
+            (tall, wide) = (tall * 0.46, wide * 2.07);
         }
         // A valley in the middle holds the lake.
         let far = (x * x + z * z) / (HALF * HALF);
         let bowl = 0.25 + 0.75 * smooth((far * 2.2).min(1.0));
-        760.0 * bowl * hills * (0.25 + ridges)
+        1150.0 * bowl * hills * (0.25 + ridges)
     }
 
     fn mesh(&self, side: u32) -> Mesh {
