@@ -48,7 +48,8 @@ pub fn draw(plan: &Plan<'_>, story: &Story) -> String {
     );
     let axis = plan.axis.unwrap_or(Axis(least));
     let view = View::along(axis.0);
-    let bounds = seen(plan);
+    let end = story.steps.last().map_or(plan.ray.t_max, |told| told.t_max);
+    let bounds = seen(plan, end);
     let shape = Window::new(view, &bounds, [0.0; 2], [SIDE; 2]).rectangle(&bounds)[1];
     let shape = shape.map(|x| x.clamp(0.25 * SIDE, SIDE));
 
@@ -109,21 +110,26 @@ pub fn draw(plan: &Plan<'_>, story: &Story) -> String {
     picture.finish()
 }
 
-/// The part of space that the frames show: the scene, and where the ray comes from if that is not far.
-fn seen(plan: &Plan<'_>) -> Aabb {
-    let b = plan.bounds;
+/// The part of space that the frames show: the scene, and where the ray comes from if that is not far; or the neighbourhood
+/// of a ray that ends soon in a large scene.
+fn seen(plan: &Plan<'_>, end: f32) -> Aabb {
+    let (b, ray) = (plan.bounds, plan.ray);
+    let origin = ray.at(ray.t_min);
+    let grown = |b: Aabb, margin: f32| {
+        let margin = Vec3::splat(margin.max(f32::MIN_POSITIVE));
+        Aabb::new(b.lower - margin, b.upper + margin)
+    };
     if b.is_empty() || !(b.lower.is_finite() && b.upper.is_finite()) {
-        return Aabb::new(
-            plan.ray.origin - Vec3::splat(1.0),
-            plan.ray.origin + Vec3::splat(1.0),
-        );
+        return grown(Aabb::of([origin]), 1.0);
     }
-    let origin = plan.ray.at(plan.ray.t_min);
-    let reach = b.size().max_element();
+    let way = Aabb::of([origin, ray.at(end)]);
+    let (length, reach) = (way.size().max_element(), b.size().max_element());
+    if 0.0 < length && length < 0.25 * reach {
+        return grown(way, 0.6 * length);
+    }
     let near = (origin - b.centroid()).abs().max_element() < 1.5 * reach;
     let b = if near { b.union(Aabb::of([origin])) } else { b };
-    let margin = Vec3::splat(0.04 * b.size().max_element().max(f32::MIN_POSITIVE));
-    Aabb::new(b.lower - margin, b.upper + margin)
+    grown(b, 0.04 * reach)
 }
 
 struct Strip<'a> {

@@ -311,7 +311,7 @@ fn scale([x, y]: [f64; 2], first: u32, deepest: u32) -> Element {
         let corner = [x + 40.0 + wide * f64::from(step), y];
         let share = level / f64::from(deepest.max(1));
         legend.add(svg::rectangle(corner, [wide, 15.0]).with("fill", color(share)));
-        if step % 5 == 0 || step + 1 == steps {
+        if step % 5 == 0 && step + 3 <= steps || step + 1 == steps {
             let number = label([corner[0] + 0.5 * wide, y + 30.0], level.round());
             legend.add(number.with("text-anchor", "middle"));
         }

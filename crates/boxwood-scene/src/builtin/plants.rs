@@ -55,7 +55,7 @@ pub(super) fn plants(n: u32, seed: u64) -> Scene {
         ),
         camera(
             "overview",
-            [-1.0 * half, 1.0 * half, 1.7 * half],
+            [-half, half, 1.7 * half],
             [0.0, 0.0, 0.08 * half],
             45.0,
         ),

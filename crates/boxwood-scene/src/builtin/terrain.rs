@@ -32,8 +32,17 @@ pub(super) fn terrain(n: u32, seed: u64) -> Scene {
     stage.build("lake", lake(), water);
     let mut scene = stage.scene;
     scene.lights = vec![sun([0.75, -0.42, -0.25])];
+    // On a hill above the shore, or high enough over what stands between it and the lake.
+    let [x, z] = [-200.0, 1150.0];
+    let way = (0..=25).map(|k| land.height(x + 10.0 * f64::from(k), z - 40.0 * f64::from(k)));
+    let top = way.fold(LAKE, f64::max) + 50.0;
     scene.cameras = vec![
-        camera("main", [-750.0, 760.0, 2350.0], [60.0, 215.0, 100.0], 40.0),
+        camera(
+            "main",
+            [x as f32, top as f32, z as f32],
+            [80.0, LAKE as f32 + 150.0, -700.0],
+            46.0,
+        ),
         camera(
             "overview",
             [-2900.0, 1900.0, 3300.0],
@@ -67,7 +76,7 @@ impl Land {
         }
         // A valley in the middle holds the lake.
         let far = (x * x + z * z) / (HALF * HALF);
-        let bowl = 0.25 + 0.75 * smooth((far * 2.2).min(1.0));
+        let bowl = 0.13 + 0.87 * smooth((far * 1.5).min(1.0));
         1150.0 * bowl * hills * (0.25 + ridges)
     }
 
