@@ -2,6 +2,7 @@
 //!
 //! Values are checked here, so that a wrong one is a usage error (exit code 2) before anything is read.
 
+mod looking;
 mod values;
 
 use crate::failure::{Failure, Outcome};
@@ -14,7 +15,8 @@ use clap_complete::Shell;
 use std::path::PathBuf;
 use values::{Size, Vector, fov};
 
-pub use values::join_vectors;
+pub use looking::{ExplainArgs, InspectArgs};
+pub use values::{Axis, Levels, Place, Slice, join_vectors};
 
 const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Green.on_default().bold())
@@ -38,6 +40,8 @@ Examples:
   boxwood render bunny.ply -o bunny.png        Render a file; the camera finds its own place
   boxwood info sponza.obj                      Say what is in a file
   boxwood cast bunny.ply --rays rays.npy -o hits.npz
+  boxwood inspect bunny.ply --svg boxes.svg    Look into a structure
+  boxwood explain bunny.ply --pixel 640,360    Follow one ray, step by step
 
 `boxwood help COMMAND` says more about each."
 )]
@@ -51,6 +55,8 @@ pub enum Verb {
     Render(Box<RenderArgs>),
     Info(InfoArgs),
     Cast(CastArgs),
+    Inspect(InspectArgs),
+    Explain(Box<ExplainArgs>),
     Completions(CompletionsArgs),
     Man(ManArgs),
 }
@@ -63,10 +69,11 @@ Examples:
   boxwood render sponza.obj --eye -120,15,-4 --look-at 0,32,-4 --fov 60 --size 1280x720
   boxwood render helmet.gltf -o helmet.exr --spp 64
   boxwood render bunny.ply --view cost --accel bvh:median -o cost.png
-  boxwood render teapot-in-stadium --camera overview --size 640x360 -o - | display")]
+  boxwood render teapot-in-stadium --camera overview --size 640x360 -o - | display
+  boxwood render city:2000,seed=3 -o city.png")]
 pub struct RenderArgs {
     /// A scene file (.obj, .ply, .stl, .gltf, .glb), or the name of a built-in scene
-    #[arg(default_value = crate::scene_file::DEFAULT, value_name = "SCENE")]
+    #[arg(default_value = crate::scene_file::DEFAULT, value_name = "SCENE", long_help = scene_help())]
     pub scene: PathBuf,
 
     /// Where the picture goes: a .png or .exr file, or `-` for a PNG on standard output
@@ -158,7 +165,7 @@ Examples:
   boxwood info --json helmet.gltf | jq .triangles")]
 pub struct InfoArgs {
     /// A scene file (.obj, .ply, .stl, .gltf, .glb), or the name of a built-in scene
-    #[arg(value_name = "SCENE")]
+    #[arg(value_name = "SCENE", long_help = scene_help())]
     pub scene: PathBuf,
 
     /// Report as JSON
@@ -192,7 +199,7 @@ Examples:
   boxwood cast bunny.ply --rays rays.npy --all --normals -o hits.npz")]
 pub struct CastArgs {
     /// A scene file (.obj, .ply, .stl, .gltf, .glb), or the name of a built-in scene
-    #[arg(value_name = "SCENE")]
+    #[arg(value_name = "SCENE", long_help = scene_help())]
     pub scene: PathBuf,
 
     /// The rays: a NumPy .npy file, or `-` for standard input
@@ -248,6 +255,15 @@ pub struct TracingArgs {
 /// Views by name, listed in the help and completed by shells.
 fn view_parser() -> impl TypedValueParser<Value = View> {
     PossibleValuesParser::new(View::ALL.map(View::name)).try_map(|name| name.parse::<View>())
+}
+
+/// What a scene may be, with the names of those that Boxwood makes itself.
+fn scene_help() -> String {
+    format!(
+        "A scene file (.obj, .ply, .stl, .gltf, .glb), or the name of a built-in scene: {}. N is how many (20k, 10M), and \
+         has a default; `,seed=S` makes another one of the kind",
+        boxwood_scene::builtin::list()
+    )
 }
 
 fn accel_help() -> String {

@@ -1,8 +1,8 @@
 //! The `boxwood` command: render, inspect and query real scenes.
 //!
-//! *How it is laid out.* `args` says what the command line may say; each verb has a file (`render`, `info`, `cast`,
-//! `shell`); `scene_file` finds the scene, `output` writes files whole or not at all, `npy` speaks NumPy, `terminal` and
-//! `progress` speak to people.
+//! *How it is laid out.* `args` says what the command line may say; each verb has a file or a folder (`render`, `info`, `cast`,
+//! `inspect`, `explain`, `shell`); `scene_file` finds the scene, `output` writes files whole or not at all, `npy` speaks
+//! NumPy, `svg` draws, `terminal` and `progress` speak to people.
 //!
 //! *What can be relied on.* Exit code 0 for success, 1 for bad input or a refusal of the system, with one sentence on
 //! stderr, 2 for a command line that means nothing. Results go to stdout, everything else to stderr.
@@ -10,14 +10,17 @@
 
 mod args;
 mod cast;
+mod explain;
 mod failure;
 mod info;
+mod inspect;
 mod npy;
 mod output;
 mod progress;
 mod render;
 mod scene_file;
 mod shell;
+mod svg;
 mod terminal;
 
 use args::{Cli, Verb};
@@ -31,6 +34,8 @@ fn main() -> ExitCode {
         Verb::Render(args) => render::run(args),
         Verb::Info(args) => info::run(args),
         Verb::Cast(args) => cast::run(args),
+        Verb::Inspect(args) => inspect::run(args),
+        Verb::Explain(args) => explain::run(args),
         Verb::Completions(args) => shell::completions(args),
         Verb::Man(args) => shell::man(args),
     };

@@ -195,12 +195,15 @@ impl Report<'_> {
     }
 }
 
-/// A PNG in the current folder, named after the scene.
+/// A PNG in the current folder, named after the scene; `city:20,seed=1` becomes `city-20-seed-1.png`.
 fn default_output(scene: &Path) -> Outcome<PathBuf> {
     let stem = scene
         .file_stem()
         .ok_or_else(|| Failure::file(scene, "is not a file"))?;
-    let mut name = stem.to_os_string();
+    let mut name = match stem.to_str() {
+        Some(text) => text.replace([':', ',', '='], "-").into(),
+        None => stem.to_os_string(),
+    };
     name.push(".png");
     Ok(name.into())
 }
@@ -252,7 +255,7 @@ fn environment(path: &Path) -> Outcome<Image> {
 }
 
 /// The camera the user asked for, the scene's first, or one that shows everything; and its name when it is the scene's.
-fn choose_camera(
+pub fn choose_camera(
     args: &CameraArgs,
     file: &SceneFile,
     [width, height]: [u32; 2],

@@ -2,7 +2,8 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::progress::Progress;
-use boxwood_scene::{FlatScene, Format, Scene, builtin};
+use boxwood_scene::builtin::{self, UnknownBuiltin};
+use boxwood_scene::{FlatScene, Format, Scene};
 use std::path::Path;
 use std::time::Instant;
 
@@ -30,10 +31,7 @@ pub fn open(path: &Path) -> Outcome<SceneFile> {
     let _progress = Progress::spinner(format!("Reading {name}"));
     let (scene, format) = match Format::of_path(path) {
         // `try_exists` fails where the folder may not be searched; loading then says so.
-        _ if matches!(path.try_exists(), Ok(false)) => {
-            let made = path.to_str().and_then(builtin::by_name);
-            (made.ok_or_else(|| absent(path))?, "built-in")
-        }
+        _ if matches!(path.try_exists(), Ok(false)) => (make(path)?, "built-in"),
         Some(Format::Obj) => (Scene::load(path)?, "obj"),
         Some(Format::Ply) => (Scene::load(path)?, "ply"),
         Some(Format::Stl) => (Scene::load(path)?, "stl"),
@@ -49,16 +47,20 @@ pub fn open(path: &Path) -> Outcome<SceneFile> {
     })
 }
 
-fn absent(path: &Path) -> Failure {
+/// The built-in scene of that name.
+fn make(path: &Path) -> Outcome<Scene> {
     let name = path.display();
-    // Who writes an extension means a file.
-    if path.extension().is_some() {
-        return Failure::new(format!("{name}: there is no such file"));
-    }
-    Failure::new(format!(
-        "{name}: there is no such file and no built-in scene of this name; built in: {}",
-        builtin::NAMES.join(", ")
-    ))
+    let absent = || Failure::new(format!("{name}: there is no such file"));
+    let made = builtin::by_name(path.to_str().ok_or_else(absent)?);
+    made.map_err(|error| match error {
+        // Who writes an extension means a file.
+        UnknownBuiltin::Name { .. } if path.extension().is_some() => absent(),
+        UnknownBuiltin::Name { .. } => Failure::new(format!(
+            "{name}: there is no such file and no built-in scene of this name; built in: {}",
+            builtin::list()
+        )),
+        error => Failure::new(format!("{name}: {error}")),
+    })
 }
 
 impl SceneFile {

@@ -84,11 +84,14 @@ pub fn grouped(n: u64) -> String {
     text
 }
 
-/// `1 triangle`, `2 triangles`.
+/// `1 triangle`, `2 triangles`, `3 boxes`, `4 leaves`.
 pub fn counted(n: u64, one: &str) -> String {
-    let plural = match one.strip_suffix("sh") {
-        Some(stem) => format!("{stem}shes"),
-        None => format!("{one}s"),
+    let plural = if one.ends_with("sh") || one.ends_with('x') {
+        format!("{one}es")
+    } else if let Some(stem) = one.strip_suffix("af") {
+        format!("{stem}aves")
+    } else {
+        format!("{one}s")
     };
     format!("{} {}", grouped(n), if n == 1 { one } else { &plural })
 }
@@ -141,6 +144,8 @@ mod tests {
         assert_eq!(counted(1, "ray"), "1 ray");
         assert_eq!(counted(0, "ray"), "0 rays");
         assert_eq!(counted(2, "mesh"), "2 meshes");
+        assert_eq!(counted(3, "box"), "3 boxes");
+        assert_eq!(counted(4, "leaf"), "4 leaves");
     }
 
     #[test]

@@ -4,8 +4,12 @@
 mod bench;
 #[path = "cli/cast.rs"]
 mod cast;
+#[path = "cli/explain.rs"]
+mod explain;
 #[path = "cli/info.rs"]
 mod info;
+#[path = "cli/inspect.rs"]
+mod inspect;
 #[path = "cli/render.rs"]
 mod render;
 #[path = "cli/shell.rs"]

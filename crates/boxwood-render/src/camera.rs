@@ -85,6 +85,12 @@ pub fn frame(bounds: &Aabb, up: [f32; 3], vfov_radians: f32, aspect: f32) -> Cam
     }
 }
 
+/// The ray through the middle of a pixel, counted from the upper left corner of an image of `size` pixels; its direction has
+/// unit length.
+pub fn pixel_ray(camera: &Camera, size: [u32; 2], [x, y]: [u32; 2]) -> Ray {
+    Lens::new(camera, size).ray(x as f32 + 0.5, y as f32 + 0.5)
+}
+
 /// Right, up and front of a world: x, y, z where up is y; x, z, −y where up is z.
 pub(crate) fn upright_frame(up: Vec3) -> [Vec3; 3] {
     let up = if up.is_finite() && up != Vec3::ZERO {

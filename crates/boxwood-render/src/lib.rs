@@ -30,7 +30,7 @@ mod world;
 pub use error::RenderError;
 pub use film::{Film, Pixel, PngOptions};
 pub use render::{Options, Renderer, Setup};
-pub use views::{UnknownView, View};
+pub use views::{UnknownView, View, inferno, inferno_srgb};
 
 /// The README's example compiles.
 #[doc = include_str!("../README.md")]

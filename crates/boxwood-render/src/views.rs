@@ -4,6 +4,8 @@ mod colour_map;
 mod digits;
 pub(crate) mod legend;
 
+pub use colour_map::{inferno, inferno_srgb};
+
 use std::fmt;
 use std::str::FromStr;
 

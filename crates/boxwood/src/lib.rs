@@ -18,7 +18,7 @@
 //!
 //! *How it is laid out.* Data walks one line from left to right, and each module serves one stop of it: [`geometry`] (rays,
 //! boxes, triangles, shapes), [`primitive`] (numbered sets of things a ray may meet), [`query`] (what a ray asks), [`accel`] (the
-//! structures), [`inspect`] (looking at a tree).
+//! structures), [`inspect`] (looking at a tree). [`plane`] makes scenes in two dimensions of the same parts.
 //!
 //! *What can be relied on.* Every structure returns the bits of [`BruteForce`], on every machine and for any number of
 //! threads; no ray slips between triangles that share an edge; nothing panics on data.
@@ -31,6 +31,7 @@ pub mod accel;
 pub mod geometry;
 pub mod inspect;
 mod math;
+pub mod plane;
 pub mod primitive;
 pub mod query;
 
@@ -50,7 +51,7 @@ pub use geometry::implicit::{Enclosure, Formula, Implicit, ImplicitSurface, Segm
 pub use geometry::real::Real;
 pub use geometry::shape::{Shape, ShapeError, ShapeFlaw};
 pub use geometry::{Aabb, Affine, Hit, Interval, PreparedRay, Ray, Surface, Vec3};
-pub use geometry::{Cuboid, Cylinder, Disc, Line, OrientedCuboid, Plane, Sphere, Torus};
+pub use geometry::{Cuboid, Cylinder, Disc, Line, OrientedCuboid, Plane, Prism, Sphere, Torus};
 pub use primitive::{
     Chain, Cuboids, Cylinders, Discs, ImplicitSurfaces, MeshError, MollerTrumbore, OrientedCuboids,
     Planes, Primitives, Shapes, Spheres, Surfaces, Tori, TriangleMesh,

@@ -63,6 +63,149 @@ impl FromStr for Vector {
     }
 }
 
+/// An axis by its letter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Axis(pub usize);
+
+impl Axis {
+    /// x, y or z.
+    pub fn letter(self) -> &'static str {
+        ["x", "y", "z"][self.0]
+    }
+}
+
+impl FromStr for Axis {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = ["x", "y", "z"].iter().position(|axis| *axis == text);
+        found
+            .map(Self)
+            .ok_or_else(|| "expected x, y or z".to_string())
+    }
+}
+
+/// A plane across an axis, as `z=0.5` or `z=50%`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slice {
+    pub axis: Axis,
+    pub place: Place,
+}
+
+/// Where on an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// In the scene's units.
+    At(f32),
+    /// From 0 at the scene's lower end to 1 at its upper.
+    Share(f32),
+}
+
+impl FromStr for Slice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || "expected an axis and a place, such as z=0.5 or y=50%".to_string();
+        let (axis, place) = text.split_once('=').ok_or_else(expected)?;
+        let number = |text: &str| text.parse().ok().filter(|x: &f32| x.is_finite());
+        let place = match place.strip_suffix('%') {
+            Some(percent) => number(percent).map(|x| Place::Share(x / 100.0)),
+            None => number(place).map(Place::At),
+        };
+        Ok(Self {
+            axis: axis.parse().map_err(|_| expected())?,
+            place: place.ok_or_else(expected)?,
+        })
+    }
+}
+
+/// Levels of a tree, both ends included: `2..5`, `3`, `..4`, `6..`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Levels {
+    pub first: u32,
+    pub last: u32,
+}
+
+impl Levels {
+    pub const ALL: Self = Self {
+        first: 0,
+        last: u32::MAX,
+    };
+
+    pub fn contain(self, level: u32) -> bool {
+        (self.first..=self.last).contains(&level)
+    }
+}
+
+impl FromStr for Levels {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || "expected levels, such as 2..5, 3, ..4 or 6..".to_string();
+        let number = |text: &str, otherwise: u32| match text {
+            "" => Ok(otherwise),
+            text => text.parse().map_err(|_| expected()),
+        };
+        let (first, last) = match text.split_once("..") {
+            Some((first, last)) => (number(first, 0)?, number(last, u32::MAX)?),
+            None => {
+                let level = text.parse().map_err(|_| expected())?;
+                (level, level)
+            }
+        };
+        if first <= last {
+            Ok(Self { first, last })
+        } else {
+            Err(expected())
+        }
+    }
+}
+
+/// A pixel, as `X,Y`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pixel(pub [u32; 2]);
+
+impl FromStr for Pixel {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || "expected a column and a row, such as 640,360".to_string();
+        let (x, y) = text.split_once(',').ok_or_else(expected)?;
+        let number = |text: &str| text.trim().parse().map_err(|_| expected());
+        Ok(Self([number(x)?, number(y)?]))
+    }
+}
+
+/// A ray as six numbers: origin and direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpelledRay {
+    pub origin: [f32; 3],
+    pub direction: [f32; 3],
+}
+
+impl FromStr for SpelledRay {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || "expected an origin and a direction, such as 0,0,5,0,0,-1".to_string();
+        let numbers: Result<Vec<f32>, _> = text.split(',').map(|x| x.trim().parse()).collect();
+        let numbers = numbers.map_err(|_| expected())?;
+        let [ox, oy, oz, dx, dy, dz] = numbers[..] else {
+            return Err(expected());
+        };
+        if numbers.iter().any(|x| !x.is_finite()) {
+            return Err("its numbers must be finite".to_string());
+        }
+        if [dx, dy, dz] == [0.0; 3] {
+            return Err("a ray needs a direction, and 0,0,0 is none".to_string());
+        }
+        Ok(Self {
+            origin: [ox, oy, oz],
+            direction: [dx, dy, dz],
+        })
+    }
+}
+
 /// An angle between 0 and 180 degrees.
 pub fn fov(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
@@ -161,6 +304,40 @@ mod tests {
         assert_eq!(stops("-1.5"), Ok(-1.5));
         for text in ["nan", "inf", "bright", "65"] {
             assert!(stops(text).is_err());
+        }
+    }
+
+    #[test]
+    fn planes_levels_pixels_and_rays() {
+        let (x, z) = (Axis(0), Axis(2));
+        for (text, axis, place) in [
+            ("z=0.5", z, Place::At(0.5)),
+            ("x=-2", x, Place::At(-2.0)),
+            ("z=25%", z, Place::Share(0.25)),
+        ] {
+            assert_eq!(text.parse(), Ok(Slice { axis, place }));
+        }
+        for text in ["", "z", "w=1", "z=", "z=%", "z=inf", "z=1=2"] {
+            assert!(text.parse::<Slice>().is_err(), "{text}");
+        }
+        for (text, first, last) in [
+            ("2..5", 2, 5),
+            ("3", 3, 3),
+            ("..4", 0, 4),
+            ("6..", 6, u32::MAX),
+        ] {
+            assert_eq!(text.parse(), Ok(Levels { first, last }));
+        }
+        for text in ["", "5..2", "a", "1..b", "-1"] {
+            assert!(text.parse::<Levels>().is_err(), "{text}");
+        }
+        assert_eq!("3, 4".parse(), Ok(Pixel([3, 4])));
+        for text in ["", "3", "3,4,5", "-1,2", "1.5,2"] {
+            assert!(text.parse::<Pixel>().is_err(), "{text}");
+        }
+        assert!("0,0,5, 0,0,-1".parse::<SpelledRay>().is_ok());
+        for text in ["", "1,2,3", "0,0,0,0,0,0", "0,0,nan,1,0,0", "1,2,3,4,5,6,7"] {
+            assert!(text.parse::<SpelledRay>().is_err(), "{text}");
         }
     }
 

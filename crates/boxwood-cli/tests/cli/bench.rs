@@ -114,6 +114,31 @@ pub fn said(output: Output) -> Said {
     }
 }
 
+/// Whether a text is one well-formed SVG: every element is closed, in order, and nothing stands outside. Attributes hold
+/// neither `<` nor `>`, because all that is said is escaped.
+pub fn is_svg(text: &str) -> bool {
+    let mut open = Vec::new();
+    let mut seen = 0;
+    for tag in text.split('<').skip(1) {
+        let Some((tag, _)) = tag.split_once('>') else {
+            return false;
+        };
+        let name = |tag: &str| tag.split_whitespace().next().unwrap_or("").to_string();
+        if let Some(closed) = tag.strip_prefix('/') {
+            if open.pop() != Some(closed.to_string()) {
+                return false;
+            }
+        } else if !tag.ends_with('/') {
+            if open.is_empty() && (seen > 0 || name(tag) != "svg") {
+                return false;
+            }
+            open.push(name(tag));
+        }
+        seen += 1;
+    }
+    open.is_empty() && seen > 1 && !text.contains("NaN") && !text.contains("inf\"")
+}
+
 /// The folder of real scenes, where the machine has one.
 pub fn scenes() -> Option<PathBuf> {
     let folder = std::env::var_os("BOXWOOD_SCENES");

@@ -88,6 +88,26 @@ fn the_built_in_scene_has_a_name() {
 }
 
 #[test]
+fn built_in_scenes_come_in_any_size() {
+    let bench = Bench::new();
+    let info = bench.json("info soup:2k,seed=3 --json");
+    assert_eq!(info["triangles"], 2000);
+    assert_eq!(info["degenerate"], 0);
+    let names = boxwood_scene::builtin::names();
+    for name in names.filter(|name| *name != "teapot-in-stadium") {
+        let info = bench.json(&format!("info {name}:30 --json"));
+        assert!(info["triangles"].as_u64() > Some(15), "{name}: {info}");
+    }
+    // A file of that name comes first.
+    bench.write("soup:7", "v 0 0 0\n");
+    assert!(
+        bench
+            .refused("info soup:7")
+            .contains("unknown kind of file")
+    );
+}
+
+#[test]
 fn errors_are_one_sentence() {
     let bench = Bench::new();
     assert_eq!(
@@ -96,7 +116,18 @@ fn errors_are_one_sentence() {
     );
     assert_eq!(
         bench.refused("info teapot"),
-        "teapot: there is no such file and no built-in scene of this name; built in: teapot-in-stadium"
+        "teapot: there is no such file and no built-in scene of this name; built in: \
+         teapot-in-stadium, even-spheres:N, long-thin:N, overlapping:N, plants:N, city:N, \
+         terrain:N, soup:N"
+    );
+    assert_eq!(
+        bench.refused("info city:0"),
+        "city:0: `0` is no number of houses for `city`: expected 1 to 500000, such as 2000, 20k or 1M"
+    );
+    assert!(
+        bench
+            .refused("info soup:5,colour=red")
+            .contains("no setting `colour=red`")
     );
     bench.write("scene.txt", "");
     assert_eq!(

@@ -5,7 +5,16 @@ use crate::bench::Bench;
 #[test]
 fn help_has_examples() {
     let bench = Bench::new();
-    for words in ["", "render", "info", "cast", "completions", "man"] {
+    for words in [
+        "",
+        "render",
+        "info",
+        "cast",
+        "inspect",
+        "explain",
+        "completions",
+        "man",
+    ] {
         let help = bench.good(&format!("{words} --help"));
         assert!(
             help.contains("Usage: boxwood") && help.contains("Examples:\n  boxwood"),
@@ -47,12 +56,14 @@ fn completions_for_every_shell() {
 fn manual_pages() {
     let bench = Bench::new();
     assert!(bench.good("man").contains(".TH boxwood 1"));
-    assert_eq!(bench.good("man --dir pages"), "wrote 6 pages to pages\n");
+    assert_eq!(bench.good("man --dir pages"), "wrote 8 pages to pages\n");
     for (page, text) in [
         ("boxwood", "render"),
         ("boxwood-cast", "offsets"),
         ("boxwood-render", "look"),
         ("boxwood-info", "JSON"),
+        ("boxwood-inspect", "slice"),
+        ("boxwood-explain", "put aside"),
     ] {
         let page = String::from_utf8(bench.read(&format!("pages/{page}.1"))).expect("text");
         assert!(

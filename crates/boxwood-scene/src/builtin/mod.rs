@@ -3,38 +3,40 @@
 //! *How it works.* Each scene has a name and a function that fills the tables of a [`Scene`]. Only the four basic
 //! operations, square roots and the functions of `libm` are used, so every machine computes the same scene.
 //!
+//! The scenes are hard on structures each in its own way. [`names`] lists them; those that take a number (`city:2000`) can
+//! be made in any size, and each seed makes another one.
+//!
 //! *Source.* "Teapot in a stadium" is an old name for what troubles grids and octrees: a small thing with all the
 //! detail in the middle of a large one (E. Haines, "Spline Surface Rendering, and What's Wrong with Octrees", *Ray
 //! Tracing News* 1(2), 1988).
 
+mod city;
+mod crowd;
+mod facade;
+mod foliage;
+mod names;
 mod newell;
 mod oval;
 mod pitch;
+mod plants;
+mod random;
 mod seats;
 mod solids;
+mod soup;
 mod stadium;
 mod stage;
 mod still_life;
 mod teapot;
+mod terrain;
 #[cfg(test)]
 mod tests;
 
+pub use names::{UnknownBuiltin, by_name, list, names};
 pub use teapot::{MAX_SUBDIVISIONS, teapot};
 
 use crate::scene::{Camera, Light, LightKind, Projection, Scene};
 use boxwood::Vec3;
 use stage::Stage;
-
-/// The names that [`by_name`] knows.
-pub const NAMES: &[&str] = &["teapot-in-stadium"];
-
-/// The scene of that name, or `None` for a name that is not among [`NAMES`].
-pub fn by_name(name: &str) -> Option<Scene> {
-    match name {
-        "teapot-in-stadium" => Some(teapot_in_stadium()),
-        _ => None,
-    }
-}
 
 /// Newell's teapot in glazed clay on the centre spot of a stadium 186 m long, among glass, mirror and brass, in the
 /// light of a late afternoon.
@@ -47,13 +49,7 @@ pub fn teapot_in_stadium() -> Scene {
     stadium::stadium(&mut stage);
     let mut scene = stage.scene;
     scene.lights = vec![
-        Light {
-            name: "sun".into(),
-            kind: LightKind::Directional {
-                direction: Vec3::new(0.58, -0.5, -0.64).normalized().to_array(),
-                irradiance: [3.4, 3.0, 2.4],
-            },
-        },
+        sun([0.58, -0.5, -0.64]),
         // A white cloth held over the table, out of the picture: it softens the shadows and shines in the glaze.
         Light {
             name: "softbox".into(),
@@ -70,6 +66,17 @@ pub fn teapot_in_stadium() -> Scene {
         camera("overview", [-56.0, 19.0, 52.0], [-2.0, 3.0, 0.0], 50.0),
     ];
     scene
+}
+
+/// A late sun whose light travels along a direction.
+fn sun(direction: [f32; 3]) -> Light {
+    Light {
+        name: "sun".into(),
+        kind: LightKind::Directional {
+            direction: Vec3::from(direction).normalized().to_array(),
+            irradiance: [3.4, 3.0, 2.4],
+        },
+    }
 }
 
 /// A camera with a level horizon; the vertical field of view is in degrees.

@@ -1,3 +1,5 @@
+mod stress;
+
 use super::*;
 use crate::scene::Mesh;
 use boxwood::Aabb;
@@ -95,18 +97,6 @@ fn fingerprint(scene: &Scene) -> u64 {
             .for_each(|x| eat(x.to_bits()));
     }
     hash
-}
-
-#[test]
-fn every_name_is_known_and_no_other() {
-    for name in NAMES {
-        let scene = by_name(name).expect(name);
-        assert!(scene.triangle_count() > 0);
-        assert!(scene.warnings.is_empty());
-    }
-    for name in ["", "teapot", "Teapot-in-stadium", "teapot-in-stadium "] {
-        assert!(by_name(name).is_none(), "{name:?}");
-    }
 }
 
 #[test]

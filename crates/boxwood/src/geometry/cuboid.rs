@@ -39,24 +39,6 @@ fn fraction(x: f64, lower: f64, upper: f64) -> f32 {
     }
 }
 
-fn visit_ends(
-    chord: Chord,
-    visit: &mut impl FnMut(Root) -> ControlFlow<(), f64>,
-) -> ControlFlow<()> {
-    let [first, last] = chord.sides;
-    visit(Root {
-        t: chord.enter,
-        part: first,
-    })?;
-    if chord.enter < chord.leave {
-        visit(Root {
-            t: chord.leave,
-            part: last,
-        })?;
-    }
-    Continue(())
-}
-
 impl Shape for Cuboid {
     const NAME: &'static str = "cuboid";
 
@@ -89,7 +71,7 @@ impl Shape for Cuboid {
         let lower = self.lower.to_array().map(f64::from);
         let upper = self.upper.to_array().map(f64::from);
         match line.slabs(lower, upper) {
-            Some(chord) => visit_ends(chord, visit),
+            Some(chord) => chord.visit_ends(visit),
             None => Continue(()),
         }
     }
@@ -199,7 +181,7 @@ impl Shape for OrientedCuboid {
                 None => return Continue(()),
             }
         }
-        visit_ends(chord, visit)
+        chord.visit_ends(visit)
     }
 
     fn place(&self, near: [f64; 3], part: u8) -> Place {

@@ -1,8 +1,10 @@
 //! Double-precision lines and vectors: where analytic shapes compute before one rounding to floats.
 
 use super::ray::round_down;
+use super::shape::Root;
 use super::{Aabb, Ray};
 use crate::math::sqrt_f64;
+use core::ops::ControlFlow::{self, Continue};
 
 /// A point or direction in double precision.
 pub(crate) type Double3 = [f64; 3];
@@ -85,6 +87,25 @@ impl Chord {
             (self.leave, self.sides[1]) = (leave, 2 * axis + 1 - side);
         }
         (self.enter <= self.leave).then_some(self)
+    }
+
+    /// Shows both ends, or the one that they are.
+    pub fn visit_ends(
+        self,
+        visit: &mut impl FnMut(Root) -> ControlFlow<(), f64>,
+    ) -> ControlFlow<()> {
+        let [first, last] = self.sides;
+        visit(Root {
+            t: self.enter,
+            part: first,
+        })?;
+        if self.enter < self.leave {
+            visit(Root {
+                t: self.leave,
+                part: last,
+            })?;
+        }
+        Continue(())
     }
 }
 

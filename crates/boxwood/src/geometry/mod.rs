@@ -11,6 +11,7 @@ mod interval;
 pub(crate) mod morton;
 pub(crate) mod pair;
 mod plane;
+mod prism;
 mod ray;
 pub mod real;
 mod roots;
@@ -35,6 +36,7 @@ pub use {
     implicit::ImplicitSurface,
     interval::Interval,
     plane::Plane,
+    prism::{Figure, Prism},
     sphere::Sphere,
     torus::Torus,
 };

@@ -165,6 +165,8 @@ impl<P: Primitives> Traverse for Bvh<P> {
         let mut stack = [(0_u32, 0.0_f32); MAX_DEPTH];
         let mut pending = 0;
         let mut current = self.root;
+        // The number of `current`, kept for those who explain.
+        let mut number = 0;
         loop {
             if current.count == 0 {
                 counters.node();
@@ -183,6 +185,9 @@ impl<P: Primitives> Traverse for Bvh<P> {
                         pending += 1;
                     }
                     current = Child::of(pair, usize::from(b_first));
+                    if C::EXPLAINS {
+                        number = 2 * index + u32::from(b_first) + 1;
+                    }
                     continue;
                 }
             } else {
@@ -191,7 +196,7 @@ impl<P: Primitives> Traverse for Bvh<P> {
                 let places = first..first + current.count as usize;
                 if C::EXPLAINS {
                     counters.step(Step::Leaf {
-                        node: current.first,
+                        node: number,
                         primitives: current.count,
                     });
                 }
@@ -219,6 +224,9 @@ impl<P: Primitives> Traverse for Bvh<P> {
                     });
                 }
                 if !dropped {
+                    if C::EXPLAINS {
+                        number = node + 1;
+                    }
                     let pair = &self.pairs[node as usize / 2];
                     current = Child::of(pair, node as usize % 2);
                     break;
