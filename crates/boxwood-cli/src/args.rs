@@ -2,6 +2,7 @@
 //!
 //! Values are checked here, so that a wrong one is a usage error (exit code 2) before anything is read.
 
+mod compare;
 mod values;
 
 use crate::failure::{Failure, Outcome};
@@ -14,6 +15,7 @@ use clap_complete::Shell;
 use std::path::PathBuf;
 use values::{Size, Vector, fov};
 
+pub use compare::CompareArgs;
 pub use values::join_vectors;
 
 const STYLES: Styles = Styles::styled()
@@ -38,6 +40,7 @@ Examples:
   boxwood render bunny.ply -o bunny.png        Render a file; the camera finds its own place
   boxwood info sponza.obj                      Say what is in a file
   boxwood cast bunny.ply --rays rays.npy -o hits.npz
+  boxwood compare bunny.ply --views --html bunny.html
 
 `boxwood help COMMAND` says more about each."
 )]
@@ -51,6 +54,7 @@ pub enum Verb {
     Render(Box<RenderArgs>),
     Info(InfoArgs),
     Cast(CastArgs),
+    Compare(Box<CompareArgs>),
     Completions(CompletionsArgs),
     Man(ManArgs),
 }
@@ -240,6 +244,13 @@ pub struct TracingArgs {
     #[arg(long, value_name = "KIND", default_value_t, help = accel_help())]
     pub accel: StructureKind,
 
+    #[command(flatten)]
+    pub threads: ThreadArgs,
+}
+
+/// How much of the machine is used.
+#[derive(Args, Debug)]
+pub struct ThreadArgs {
     /// How many threads to use; by default one for each core
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
@@ -258,7 +269,7 @@ fn accel_help() -> String {
     format!("The acceleration structure: {names}; settings follow after commas (bvh:median,leaf=2)")
 }
 
-impl TracingArgs {
+impl ThreadArgs {
     /// Does `work` in a pool of as many threads as asked for, and tells it how many these are.
     pub fn in_pool<T: Send>(&self, work: impl FnOnce(usize) -> Outcome<T> + Send) -> Outcome<T> {
         let threads = match self.threads {

@@ -1,7 +1,7 @@
-//! The `boxwood` command: render, inspect and query real scenes.
+//! The `boxwood` command: render, inspect and query real scenes, compare structures.
 //!
-//! *How it is laid out.* `args` says what the command line may say; each verb has a file (`render`, `info`, `cast`,
-//! `shell`); `scene_file` finds the scene, `output` writes files whole or not at all, `npy` speaks NumPy, `terminal` and
+//! *How it is laid out.* `args` says what the command line may say; each verb has a file or a folder (`render`, `info`,
+//! `cast`, `compare`, `shell`); `scene_file` finds the scene and `camera` its viewer, `output` writes files whole or not at all, `npy` speaks NumPy, `terminal` and
 //! `progress` speak to people.
 //!
 //! *What can be relied on.* Exit code 0 for success, 1 for bad input or a refusal of the system, with one sentence on
@@ -9,7 +9,9 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod camera;
 mod cast;
+mod compare;
 mod failure;
 mod info;
 mod npy;
@@ -31,6 +33,7 @@ fn main() -> ExitCode {
         Verb::Render(args) => render::run(args),
         Verb::Info(args) => info::run(args),
         Verb::Cast(args) => cast::run(args),
+        Verb::Compare(args) => compare::run(args),
         Verb::Completions(args) => shell::completions(args),
         Verb::Man(args) => shell::man(args),
     };

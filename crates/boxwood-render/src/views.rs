@@ -2,7 +2,10 @@
 
 mod colour_map;
 mod digits;
+mod heat_map;
 pub(crate) mod legend;
+
+pub use heat_map::HeatScale;
 
 use std::fmt;
 use std::str::FromStr;
