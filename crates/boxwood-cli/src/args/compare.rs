@@ -18,7 +18,7 @@ Examples:
   boxwood compare bunny.ply
   boxwood compare sponza.obj --accel bvh:median --accel bvh:binned,leaf=2 --rays primary,diffuse
   boxwood compare sponza.obj --views --html sponza.html --csv sponza.csv
-  boxwood compare bunny.ply --sweep bvh --html leaves.html
+  boxwood compare bunny.ply --sweep bvh --accel bvh:binned --rays primary --html leaves.html
   boxwood compare bunny.ply --json | jq .winners.mrays_per_second"
     };
 }
@@ -70,13 +70,13 @@ pub struct CompareArgs {
     pub scene: PathBuf,
 
     /// A structure to compare; repeat it for each one. By default all of them
-    #[arg(long, value_name = "KIND", help = accel_help(), conflicts_with = "sweep")]
+    #[arg(long, value_name = "KIND", help = accel_help())]
     pub accel: Vec<StructureKind>,
 
     /// Instead of comparing kinds, change one setting of a family from one end to the other
     ///
     /// `grid`: its resolution, from one cell to far too many; `kd` and `bvh`: the size of leaves, for every builder of the
-    /// family. The lecture's choice and the measured best are marked.
+    /// family or those that --accel names. The lecture's choice and the measured best are marked.
     #[arg(long, value_name = "FAMILY", value_parser = family_parser())]
     pub sweep: Option<Family>,
 

@@ -123,7 +123,7 @@ pub struct Sweep {
 /// What one builder makes of the setting.
 #[derive(Clone, Debug, Serialize)]
 pub struct Curve {
-    pub name: &'static str,
+    pub name: String,
     /// The point with the most rays per second.
     pub best: Option<usize>,
     pub points: Vec<Point>,

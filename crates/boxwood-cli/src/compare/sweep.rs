@@ -6,7 +6,7 @@
 
 use super::report::{Curve, Measured, Point, Structure, Sweep};
 use super::{Candidate, Job, Workload, build, compare_with};
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
 use boxwood::StructureKind;
 use std::collections::BTreeSet;
 use std::str::FromStr;
@@ -58,17 +58,22 @@ impl Family {
             .filter(of_family)
     }
 
-    /// A member's points: values and structures.
-    fn points(self, member: &str, triangles: usize) -> Vec<(f64, StructureKind)> {
-        let points: Vec<(f64, String)> = match self {
+    /// What is made of a member with its other settings: values and structures.
+    fn points(self, member: StructureKind, triangles: usize) -> Vec<(f64, StructureKind)> {
+        let member = member.to_string();
+        let mark = if member.contains(':') { ',' } else { ':' };
+        let settings: Vec<(f64, String)> = match self {
             Self::Grid => cells_per_triangle(triangles),
             Self::Kd | Self::Bvh => LEAVES
                 .iter()
-                .map(|&leaf| (leaf as f64, format!("{member},leaf={leaf}")))
+                .map(|&leaf| (leaf as f64, format!("leaf={leaf}")))
                 .collect(),
         };
-        let parse = |(value, text): (f64, String)| Some((value, text.parse().ok()?));
-        points.into_iter().filter_map(parse).collect()
+        let parse = |(value, setting): (f64, String)| {
+            let kind = format!("{member}{mark}{setting}").parse().ok()?;
+            Some((value, kind))
+        };
+        settings.into_iter().filter_map(parse).collect()
     }
 }
 
@@ -87,12 +92,12 @@ fn cells_per_triangle(triangles: usize) -> Vec<(f64, String)> {
     let most = (MOST_CELLS / n).clamp(2.0 * LECTURE_CELLS, FINEST);
     // Powers of two times the lecture's number: 27 itself is one.
     let steps = -20..=20;
-    let mut points = vec![(1.0 / n, "grid:resolution=1".to_string())];
+    let mut points = vec![(1.0 / n, "resolution=1".to_string())];
     points.extend(
         steps
             .map(|k| LECTURE_CELLS * f64::from(k).exp2())
             .filter(|&c| c > 4.0 / n && c <= most)
-            .map(|c| (c, format!("grid:c={}", c as f32))),
+            .map(|c| (c, format!("c={}", c as f32))),
     );
     points
 }
@@ -107,10 +112,10 @@ impl Job<'_> {
     ) -> Outcome<Sweep> {
         let memory = self.args.memory.or(Some(MEMORY));
         let mut curves = Vec::new();
-        for name in family.members() {
+        for member in self.members(family)? {
             let mut points: Vec<Point> = Vec::new();
             let mut seen = BTreeSet::new();
-            for (value, kind) in family.points(name, self.mesh.triangles().len()) {
+            for (value, kind) in family.points(member, self.mesh.triangles().len()) {
                 if !seen.insert(kind.to_string()) {
                     continue;
                 }
@@ -129,6 +134,7 @@ impl Job<'_> {
             }
             if !points.is_empty() {
                 let best = best(&points);
+                let name = member.to_string();
                 curves.push(Curve { name, best, points });
             }
         }
@@ -142,6 +148,23 @@ impl Job<'_> {
             lecture,
             curves,
         })
+    }
+}
+
+impl Job<'_> {
+    /// What is swept: the family, or those of it that `--accel` names.
+    fn members(&self, family: Family) -> Outcome<Vec<StructureKind>> {
+        let chosen = &self.args.accel;
+        if chosen.is_empty() {
+            return Ok(family.members().collect());
+        }
+        match chosen.iter().find(|kind| !family.holds(kind)) {
+            Some(other) => Err(Failure::new(format!(
+                "{other} is not of the family {}, which is swept",
+                family.name()
+            ))),
+            None => Ok(chosen.clone()),
+        }
     }
 }
 
@@ -160,8 +183,8 @@ mod tests {
     #[test]
     fn a_grid_is_swept_from_one_cell_to_too_many() {
         let points = cells_per_triangle(1000);
-        assert_eq!(points[0], (0.001, "grid:resolution=1".to_string()));
-        assert!(points.contains(&(27.0, "grid:c=27".to_string())));
+        assert_eq!(points[0], (0.001, "resolution=1".to_string()));
+        assert!(points.contains(&(27.0, "c=27".to_string())));
         assert!(points.last().is_some_and(|p| p.0 > 27.0 * 200.0));
         assert!(points.is_sorted_by(|a, b| a.0 < b.0));
         // A large scene has no room for so many.
@@ -170,10 +193,13 @@ mod tests {
 
     #[test]
     fn leaves_are_those_that_a_builder_takes() {
-        let points = Family::Bvh.points("bvh:median", 10);
+        let points = Family::Bvh.points("bvh:median,axes=xy".parse().expect("a structure"), 10);
         let values: Vec<f64> = points.iter().map(|p| p.0).collect();
         assert_eq!(values, LEAVES.map(|leaf| leaf as f64));
-        assert!(Family::Bvh.points("brute", 10).is_empty());
+        assert_eq!(points[0].1.to_string(), "bvh:median,leaf=1,axes=xy");
+        // A structure without leaves makes no points.
+        let judge = "brute".parse().expect("a structure");
+        assert!(Family::Bvh.points(judge, 10).is_empty());
         assert!("cube".parse::<Family>().is_err());
     }
 }

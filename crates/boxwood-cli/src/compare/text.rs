@@ -113,7 +113,7 @@ fn sweep(sweep: &Sweep) -> String {
         "",
     ]);
     for curve in &sweep.curves {
-        table.heading(curve.name);
+        table.heading(&curve.name);
         for (i, point) in curve.points.iter().enumerate() {
             let value = number(Some(point.value), if point.value < 10.0 { 3 } else { 1 });
             let value = value
@@ -162,7 +162,7 @@ fn footnotes(report: &Report) -> String {
         notes.push("All structures gave the same bits for every ray.".to_string());
     } else {
         notes.push(format!(
-            "All structures gave the same bits for every ray they were asked; only a sample was asked {}.",
+            "All structures gave the same bits for every ray they were asked; slow ones were asked a sample: {}.",
             sampled.join(", ")
         ));
     }
@@ -186,7 +186,7 @@ fn asked(report: &Report) -> String {
     }
 }
 
-/// Structures that were not asked every ray, with how many: `of brute (412 of 500,000)`.
+/// Structures that were not asked every ray, with how many: `brute 412 of 500,000 rays`.
 pub fn sampled(report: &Report) -> Vec<String> {
     let all: usize = report.workloads.iter().map(|w| w.rays).sum();
     let asked = |m: &Measured| m.rays.iter().map(|r| r.rays_asked).sum::<usize>();
@@ -197,7 +197,7 @@ pub fn sampled(report: &Report) -> Vec<String> {
         .filter(|(_, asked)| *asked < all)
         .map(|(s, asked)| {
             let [asked, all] = [asked, all].map(|n| grouped(n as u64));
-            format!("of {} ({asked} of {all} rays)", s.structure)
+            format!("{} {asked} of {all} rays", s.structure)
         })
         .collect()
 }

@@ -8,7 +8,7 @@ use super::colour_map::inferno_bytes;
 use crate::RenderError;
 
 /// Maps whose high ends differ more than this are shown on a logarithmic scale.
-const FAR_APART: f64 = 6.0;
+const FAR_APART: f64 = 3.0;
 
 /// A common scale for maps of costs.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,8 @@ use crate::compare::report::{Measured, Structure};
 use std::fmt::Write;
 
 const WIDTH: f64 = 560.0;
-const ROW: f64 = 34.0;
+/// Rows share this height as long as they are neither too flat nor too tall.
+const HEIGHT: f64 = 330.0;
 /// Shares below this are not worth an octave of the axis.
 const RARE: f64 = 1e-3;
 
@@ -28,7 +29,8 @@ pub fn plot(structures: &[Structure]) -> String {
         .max()
         .unwrap_or(0);
     let left = (letters as f64 * 6.9 + 14.0).clamp(60.0, 240.0);
-    let height = rows.len() as f64 * ROW + 70.0;
+    let tall = (HEIGHT / rows.len() as f64).clamp(30.0, 62.0);
+    let height = rows.len() as f64 * tall + 70.0;
     let frame = Frame {
         left,
         right: WIDTH - 12.0,
@@ -58,7 +60,7 @@ pub fn plot(structures: &[Structure]) -> String {
         left + 138.0
     );
     for (i, (name, m)) in rows.into_iter().enumerate() {
-        let base = frame.top + (i + 1) as f64 * ROW;
+        let base = frame.top + (i + 1) as f64 * tall;
         let _ = write!(
             svg,
             r#"<g class="{}"><text class="row" x="{:.1}" y="{:.1}" text-anchor="end">{}</text><path class="area" d="{}"/><line class="base" x1="{left}" x2="{}" y1="{base:.1}" y2="{base:.1}"/>"#,
@@ -66,7 +68,7 @@ pub fn plot(structures: &[Structure]) -> String {
             left - 9.0,
             base - 5.0,
             Escaped(name),
-            steps(m, &x, base, &frame, tallest),
+            bars(m, &x, &frame, base, (tall - 8.0) / tallest),
             frame.right
         );
         if let Some(mean) = m.steps_per_ray() {
@@ -74,7 +76,7 @@ pub fn plot(structures: &[Structure]) -> String {
             let _ = write!(
                 svg,
                 r#"<line class="mean" x1="{at:.1}" x2="{at:.1}" y1="{:.1}" y2="{:.1}"><title>measured: {mean:.1}</title></line>"#,
-                base - ROW + 6.0,
+                base - tall + 6.0,
                 base + 2.0
             );
         }
@@ -93,7 +95,7 @@ pub fn plot(structures: &[Structure]) -> String {
 }
 
 /// The outline of a row's bars.
-fn steps(m: &Measured, x: &LogAxis, base: f64, frame: &Frame, tallest: f64) -> String {
+fn bars(m: &Measured, x: &LogAxis, frame: &Frame, base: f64, scale: f64) -> String {
     let mut path = String::new();
     for (i, share) in m.histogram.iter().enumerate() {
         if *share <= 0.0 {
@@ -102,7 +104,7 @@ fn steps(m: &Measured, x: &LogAxis, base: f64, frame: &Frame, tallest: f64) -> S
         let side = |i: usize| x.at(edge(i).max(0.5)).clamp(frame.left, frame.right);
         // No number of steps lies in the second half of the first octave.
         let (from, to) = (side(i), side((i + 1).max(2)));
-        let high = base - (ROW - 8.0) * share / tallest;
+        let high = base - scale * share;
         let _ = write!(path, "M{from:.1} {base:.1}V{high:.1}H{to:.1}V{base:.1}z");
     }
     path

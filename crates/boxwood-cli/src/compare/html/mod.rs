@@ -149,7 +149,7 @@ fn notes(report: &Report) -> String {
     } else {
         let _ = write!(
             text,
-            "Every structure gave the same bits for every ray it was asked; slow ones were asked an even sample {}.",
+            "Every structure gave the same bits for every ray it was asked; slow ones were asked an even sample: {}.",
             Escaped(&sampled.join(", "))
         );
     }

@@ -191,7 +191,13 @@ fn ratio_legend() -> String {
         format!("<stop offset=\"{offset:.4}\" stop-color=\"#{r:02x}{g:02x}{b:02x}\"/>")
     };
     let stops: String = (-8..=8).map(stop).collect();
-    let labels = ["B costs ≥ 4 ×", "2 ×", "equal", "2 ×", "A costs ≥ 4 ×"];
+    let labels = [
+        "B costs 4 × or more",
+        "B 2 ×",
+        "equal",
+        "A 2 ×",
+        "A costs 4 × or more",
+    ];
     let texts: String = (0..5)
         .map(|i| {
             let anchor = ["start", "middle", "middle", "middle", "end"][i];
@@ -227,7 +233,7 @@ fn pairs(maps: &[Map]) -> String {
             }
             let ratio = mean / other;
             let [r, g, b] = ratio_colour(ratio.log2());
-            let ink = if ratio.log2().abs() > 0.8 * OCTAVES {
+            let ink = if ratio.log2().abs() > 0.6 * OCTAVES {
                 "#fff"
             } else {
                 "#1c1c1a"

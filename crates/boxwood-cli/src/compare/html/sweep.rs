@@ -37,7 +37,7 @@ pub fn panels(sweep: &Sweep) -> String {
             .map(line)
             .collect::<Vec<_>>()
     };
-    let own = |curve: &Curve| curve.name.to_string();
+    let own = |curve: &Curve| curve.name.clone();
     let time = lines(&own, "", Measured::nanoseconds);
     // One structure's steps can be told apart; more would be a tangle.
     let visited = if sweep.curves.len() == 1 {
@@ -172,7 +172,7 @@ pub fn verdicts(sweep: &Sweep) -> String {
         };
         Some(format!(
             "<li><b>{}</b>: best at {} {}, {} million rays per second{tail}.</li>",
-            Escaped(curve.name),
+            Escaped(&curve.name),
             round(best.value),
             sweep.setting,
             round(rate(best)?)
