@@ -57,7 +57,7 @@ The JSON has these keys; each number is null where there is nothing to measure:
                   2^(i/2) <= 1 + nodes + primitives < 2^((i+1)/2)), and for each kind: kind,
                   mrays_per_second, speedup, nodes_per_ray, leaves_per_ray, primitives_per_ray,
                   rays_asked (of the workload: checked and timed)
-  winners         the best structures of each column
+  winners         the best structures of each column; none in a sweep
   sweep           null, or with --sweep what was changed and every curve's points"
 );
 

@@ -71,7 +71,9 @@ pub fn run(args: &CompareArgs) -> Outcome {
             mesh: &mesh,
         };
         let (mut report, pictures) = job.report(camera_name, threads)?;
-        report.winners = report::winners(&report.structures, &report.workloads);
+        if report.sweep.is_none() {
+            report.winners = report::winners(&report.structures, &report.workloads);
+        }
         if let Some(html) = &html {
             html.write(html::page(&report, pictures.as_ref()).as_bytes())?;
         }
@@ -122,7 +124,7 @@ impl Job<'_> {
                 image,
                 rounds: self.args.rounds,
                 closest: self.args.closest,
-                memory_bytes: self.args.memory,
+                memory_bytes: self.memory(),
             },
             machine: machine::describe(threads),
             workloads: workloads.iter().map(describe).collect(),
@@ -132,8 +134,8 @@ impl Job<'_> {
         };
         let mut candidates = Vec::new();
         for kind in self.kinds() {
-            let memory = self.args.memory;
-            candidates.push(Candidate(kind, build::build(kind, self.mesh, memory)?));
+            let built = build::build(kind, self.mesh, self.memory())?;
+            candidates.push(Candidate(kind, built));
         }
         report.structures = self.measure(&candidates, &workloads)?;
         let pictures = if self.args.views {
@@ -147,6 +149,12 @@ impl Job<'_> {
             report.sweep = Some(self.sweep(family, &workloads, judge.as_ref())?);
         }
         Ok((report, pictures))
+    }
+
+    /// The most that a structure may take. A sweep has a limit of its own: its far end is far.
+    fn memory(&self) -> Option<usize> {
+        let sweep = self.args.sweep.map(|_| sweep::MEMORY);
+        self.args.memory.or(sweep)
     }
 
     /// What is compared: the judge, then what was asked for, each once. In a sweep, only what it is held against.

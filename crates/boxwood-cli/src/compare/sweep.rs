@@ -19,8 +19,8 @@ pub enum Family {
     Bvh,
 }
 
-/// The most memory of a sweep's point, unless the user says otherwise: the far end is far.
-const MEMORY: usize = 2 << 30;
+/// The most memory of a point, unless the user says otherwise.
+pub const MEMORY: usize = 2 << 30;
 /// Cells beyond which a grid is finer than anybody wants.
 const MOST_CELLS: f64 = (1 << 27) as f64;
 /// And cells per triangle.
@@ -110,7 +110,6 @@ impl Job<'_> {
         workloads: &[Workload],
         judge: Option<&Measured>,
     ) -> Outcome<Sweep> {
-        let memory = self.args.memory.or(Some(MEMORY));
         let mut curves = Vec::new();
         for member in self.members(family)? {
             let mut points: Vec<Point> = Vec::new();
@@ -119,7 +118,7 @@ impl Job<'_> {
                 if !seen.insert(kind.to_string()) {
                     continue;
                 }
-                let candidate = Candidate(kind, build::build(kind, self.mesh, memory)?);
+                let candidate = Candidate(kind, build::build(kind, self.mesh, self.memory())?);
                 let mut found = self.measure(&[candidate], workloads)?;
                 for structure in &mut found {
                     if let (Some(m), Some(judge)) = (&mut structure.measured, judge) {

@@ -148,15 +148,16 @@ fn sweep(sweep: &Sweep) -> String {
 }
 
 fn footnotes(report: &Report) -> String {
-    let mut notes = vec![
-        "* best of the column; the exhaustive test (brute) takes no part. Speed-up: over brute."
-            .to_string(),
-        format!(
-            "Single rays, one thread, median of {}; mean: geometric.{}",
-            counted(u64::from(report.settings.rounds), "round"),
-            asked(report)
-        ),
-    ];
+    let mut notes = vec![format!(
+        "Single rays, one thread, median of {}; mean: geometric.{}",
+        counted(u64::from(report.settings.rounds), "round"),
+        asked(report)
+    )];
+    let marks =
+        "* best of the column; the exhaustive test (brute) takes no part. Speed-up: over brute.";
+    if report.sweep.is_none() {
+        notes.insert(0, marks.to_string());
+    }
     let sampled = sampled(report);
     if sampled.is_empty() {
         notes.push("All structures gave the same bits for every ray.".to_string());

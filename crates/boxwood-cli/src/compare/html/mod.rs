@@ -11,7 +11,7 @@ mod sweep;
 mod table;
 
 use super::frontier::{break_even, frontier, places};
-use super::report::{Measured, Report, Structure};
+use super::report::{Measured, Report};
 use super::text::sampled;
 use super::views::Pictures;
 use crate::terminal::{counted, grouped, seconds};
@@ -72,56 +72,66 @@ fn header(report: &Report, views: Option<&Pictures>) -> String {
     } else {
         "hero plain"
     };
+    let subject = match &report.sweep {
+        Some(sweep) => format!("{} of {} structures", sweep.setting, sweep.family),
+        None => counted(report.structures.len() as u64, "structure"),
+    };
     let mut html = format!(
-        "<header class=\"{class}\"><div><h1>{}</h1><p class=\"sub\">{}, {}, {} of rays</p>",
+        "<header class=\"{class}\"><div><h1>{}</h1><p class=\"sub\">{}, {subject}, {} of rays</p>",
         Escaped(&settings.scene),
         counted(settings.triangles, "triangle"),
-        counted(report.structures.len() as u64, "structure"),
         counted(report.workloads.len() as u64, "kind"),
     );
-    html += "<ul class=\"facts\">";
-    let best = |column: &str| {
-        let name = report.winners.get(column)?.first()?;
-        let found = report.structures.iter().find(|s| s.structure == *name)?;
-        Some((found, found.measured.as_ref()?))
-    };
-    let mut fact = |(structure, _): (&Structure, &Measured), text: String| {
-        let name = Escaped(&structure.structure);
-        let _ = write!(html, "<li><b>{name}</b><span>{text}</span></li>");
-    };
-    if report.sweep.is_none() {
-        if let Some(found) = best("mrays_per_second") {
-            let rate = svg::round(found.1.mrays_per_second.unwrap_or(0.0));
-            let factor = found.1.speedup.map_or(String::new(), |x| {
-                format!(", {} times the exhaustive test", svg::count(x))
-            });
-            fact(
-                found,
-                format!("traces fastest: {rate} million rays per second{factor}"),
-            );
-        }
-        if let Some(found) = best("build_seconds") {
-            let time = seconds(found.1.build_seconds);
-            fact(
-                found,
-                format!("builds fastest: {time}{}", overtaken(report)),
-            );
-        }
-        if let Some(found) = best("bytes") {
-            let bytes = svg::round(found.1.bytes_per_triangle.unwrap_or(0.0));
-            fact(found, format!("is smallest: {bytes} bytes per triangle"));
-        }
+    let facts: String = facts(report)
+        .into_iter()
+        .map(|(name, text)| format!("<li><b>{}</b><span>{text}</span></li>", Escaped(&name)))
+        .collect();
+    if !facts.is_empty() {
+        let _ = write!(html, "<ul class=\"facts\">{facts}</ul>");
     }
-    html += "</ul></div>";
+    html += "</div>";
     if let Some(views) = views {
         let [width, height] = views.size;
         let _ = write!(
             html,
-            "<img src=\"{}\" width=\"{width}\" height=\"{height}\" alt=\"The scene as the rays' camera sees it\">",
+            "<img src=\"{}\" width=\"{width}\" height=\"{height}\" alt=\"The scene as the rays’ camera sees it\">",
             pictures::data(&views.view)
         );
     }
     html + "</header>"
+}
+
+/// Who is best at what matters most, as a name and HTML about it; nobody in a sweep.
+fn facts(report: &Report) -> Vec<(String, String)> {
+    let best = |column: &str, text: &dyn Fn(&Measured) -> String| {
+        let name = report.winners.get(column)?.first()?;
+        let found = report.structures.iter().find(|s| s.structure == *name)?;
+        Some((name.clone(), text(found.measured.as_ref()?)))
+    };
+    let tracing = |m: &Measured| {
+        let factor = m.speedup.map_or(String::new(), |x| {
+            format!(", {} times the exhaustive test", svg::count(x))
+        });
+        let rate = svg::round(m.mrays_per_second.unwrap_or(0.0));
+        format!("traces fastest: {rate} million rays per second{factor}")
+    };
+    let building = |m: &Measured| {
+        format!(
+            "builds fastest: {}{}",
+            seconds(m.build_seconds),
+            overtaken(report)
+        )
+    };
+    let size = |m: &Measured| {
+        let bytes = svg::round(m.bytes_per_triangle.unwrap_or(0.0));
+        format!("is smallest: {bytes} bytes per triangle")
+    };
+    let facts = [
+        best("mrays_per_second", &tracing),
+        best("build_seconds", &building),
+        best("bytes", &size),
+    ];
+    facts.into_iter().flatten().collect()
 }
 
 /// When the fastest to build is overtaken.
@@ -140,9 +150,12 @@ fn overtaken(report: &Report) -> String {
 }
 
 fn notes(report: &Report) -> String {
-    let mut text = "Single rays on one thread, median of the rounds; the mean over the kinds is geometric. The best of each \
-        column is marked; the exhaustive test (brute) takes no part. "
-        .to_string();
+    let mut text =
+        "Single rays on one thread, median of the rounds; the mean over the kinds is geometric. "
+            .to_string();
+    if report.sweep.is_none() {
+        text += "The best of each column is marked; the exhaustive test (brute) takes no part. ";
+    }
     let sampled = sampled(report);
     if sampled.is_empty() {
         text += "Every structure gave the same bits for every ray.";
