@@ -48,6 +48,9 @@ pub fn run(args: &CompareArgs) -> Outcome {
             "only one of --html and --csv can go to standard output",
         ));
     }
+    if let Some(family) = args.sweep {
+        family.chosen(&args.accel)?;
+    }
     for file in &files {
         file.check([args.scene.as_path()])?;
     }

@@ -46,16 +46,32 @@ impl Family {
         }
     }
 
-    /// The names of its structures.
-    fn members(self) -> impl Iterator<Item = &'static str> {
-        let of_family = move |name: &&'static str| match self {
-            Self::Grid => *name == "grid",
-            Self::Kd => name.starts_with("kd:"),
-            Self::Bvh => name.starts_with("bvh:"),
-        };
-        StructureKind::all()
-            .map(|kind| kind.name())
-            .filter(of_family)
+    /// Its structures.
+    fn members(self) -> impl Iterator<Item = StructureKind> {
+        StructureKind::all().filter(move |kind| self.holds(kind))
+    }
+
+    fn holds(self, kind: &StructureKind) -> bool {
+        match self {
+            Self::Grid => kind.name() == "grid",
+            Self::Kd => kind.name().starts_with("kd:"),
+            Self::Bvh => kind.name().starts_with("bvh:"),
+        }
+    }
+
+    /// What is swept: all of it, or what `--accel` names.
+    ///
+    /// # Errors
+    /// A sentence when a named structure belongs elsewhere.
+    pub fn chosen(self, named: &[StructureKind]) -> Outcome<Vec<StructureKind>> {
+        match named.iter().find(|kind| !self.holds(kind)) {
+            Some(other) => Err(Failure::new(format!(
+                "{other} is not of the family {}, which is swept",
+                self.name()
+            ))),
+            None if named.is_empty() => Ok(self.members().collect()),
+            None => Ok(named.to_vec()),
+        }
     }
 
     /// What is made of a member with its other settings: values and structures.
@@ -111,7 +127,7 @@ impl Job<'_> {
         judge: Option<&Measured>,
     ) -> Outcome<Sweep> {
         let mut curves = Vec::new();
-        for member in self.members(family)? {
+        for member in family.chosen(&self.args.accel)? {
             let mut points: Vec<Point> = Vec::new();
             let mut seen = BTreeSet::new();
             for (value, kind) in family.points(member, self.mesh.triangles().len()) {
@@ -147,23 +163,6 @@ impl Job<'_> {
             lecture,
             curves,
         })
-    }
-}
-
-impl Job<'_> {
-    /// What is swept: the family, or those of it that `--accel` names.
-    fn members(&self, family: Family) -> Outcome<Vec<StructureKind>> {
-        let chosen = &self.args.accel;
-        if chosen.is_empty() {
-            return Ok(family.members().collect());
-        }
-        match chosen.iter().find(|kind| !family.holds(kind)) {
-            Some(other) => Err(Failure::new(format!(
-                "{other} is not of the family {}, which is swept",
-                family.name()
-            ))),
-            None => Ok(chosen.clone()),
-        }
     }
 }
 
