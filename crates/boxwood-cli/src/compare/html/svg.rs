@@ -185,7 +185,7 @@ mod tests {
     fn axes_hold_their_values_and_tick_roundly() {
         let axis = LogAxis::around([0.01, 0.0, 10.0, f64::NAN], 0.0, 100.0);
         assert!(axis.at(0.01) > 0.0 && axis.at(10.0) < 100.0);
-        assert_eq!(axis.ticks().len(), 6, "{:?}", axis.ticks());
+        assert_eq!(axis.ticks().len(), 7, "{:?}", axis.ticks());
         for nothing in [vec![], vec![0.0]] {
             assert!(!LogAxis::around(nothing, 0.0, 1.0).ticks().is_empty());
         }
