@@ -41,7 +41,8 @@ What is done, in this order:
      anything is in the way, as renderers do, all others for the nearest hit; with --closest
      all do.
 
-`brute` is always there, as the factor to be faster by, and wins no column.
+`brute` is always there, as the factor to be faster by. It wins no column, nor does a structure
+a hundred times slower than the fastest.
 
 The JSON has these keys; each number is null where there is nothing to measure:
   format_version  1; keys may be added without a new number

@@ -4,7 +4,7 @@
 //! Of two neighbours on it, the one that traces faster overtakes after `(b₂ − b₁) / (t₁ − t₂)` rays: so many that its
 //! saved time has paid for its building.
 
-use super::report::Structure;
+use super::report::{Measured, Structure, contenders};
 
 /// A structure's place in the plane of building and tracing.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,10 +16,9 @@ pub struct Place {
     pub trace: f64,
 }
 
-/// All structures that were measured, without the exhaustive test.
+/// All contenders.
 pub fn places(structures: &[Structure]) -> Vec<Place> {
-    let place = |s: &Structure| {
-        let m = s.measured.as_ref().filter(|_| !s.is_judge())?;
+    let place = |(s, m): (&Structure, &Measured)| {
         Some(Place {
             name: s.structure.clone(),
             // On a logarithmic axis nothing is done in no time.
@@ -27,7 +26,7 @@ pub fn places(structures: &[Structure]) -> Vec<Place> {
             trace: m.nanoseconds()?,
         })
     };
-    structures.iter().filter_map(place).collect()
+    contenders(structures).filter_map(place).collect()
 }
 
 /// Those that no other one beats in both, the fastest to build first.

@@ -198,21 +198,40 @@ pub fn columns(workloads: &[Workload]) -> Vec<Column> {
     all
 }
 
-/// Who is best in each column; several where they are equal. The exhaustive test is out of the competition.
+/// Structures slower than this share of the fastest are as good as exhaustive.
+const IN_VAIN: f64 = 0.01;
+
+/// Those who compete: all that were measured without the exhaustive test and what is no better, a hundred times slower
+/// than the fastest. Such structures build in no time, take no memory, and would stretch every plot.
+pub fn contenders(
+    structures: &[Structure],
+) -> impl Iterator<Item = (&Structure, &Measured)> + Clone {
+    let measured = structures
+        .iter()
+        .filter(|s| !s.is_judge())
+        .filter_map(|s| Some((s, s.measured.as_ref()?)));
+    let rate = |m: &Measured| m.mrays_per_second.unwrap_or(0.0);
+    let fastest = measured.clone().map(|(_, m)| rate(m)).fold(0.0, f64::max);
+    measured.filter(move |(_, m)| rate(m) >= IN_VAIN * fastest)
+}
+
+/// Who of the contenders is best in each column; several where they are equal.
 pub fn winners(structures: &[Structure], workloads: &[Workload]) -> BTreeMap<String, Vec<String>> {
     columns(workloads)
         .into_iter()
         .map(|column| {
-            let value = |s: &Structure| s.measured.as_ref().and_then(&column.value);
             let sign = if column.more_is_better { -1.0 } else { 1.0 };
-            let entered = || structures.iter().filter(|s| !s.is_judge());
-            let best = entered()
-                .filter_map(value)
-                .map(|v| sign * v)
+            let entered = contenders(structures)
+                .filter_map(|(s, m)| Some((&s.structure, sign * (column.value)(m)?)));
+            let best = entered
+                .clone()
+                .map(|(_, value)| value)
                 .min_by(f64::total_cmp);
-            let first = |s: &&Structure| best.is_some() && value(s).map(|v| sign * v) == best;
-            let names = entered().filter(first).map(|s| s.structure.clone());
-            (column.key, names.collect())
+            let first = entered.filter(|(_, value)| Some(*value) == best);
+            (
+                column.key.clone(),
+                first.map(|(name, _)| name.clone()).collect(),
+            )
         })
         .collect()
 }

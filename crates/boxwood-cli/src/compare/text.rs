@@ -153,8 +153,7 @@ fn footnotes(report: &Report) -> String {
         counted(u64::from(report.settings.rounds), "round"),
         asked(report)
     )];
-    let marks =
-        "* best of the column; the exhaustive test (brute) takes no part. Speed-up: over brute.";
+    let marks = "* best of the column; brute, and what is 100 times slower than the fastest, takes no part. Speed-up: over brute.";
     if report.sweep.is_none() {
         notes.insert(0, marks.to_string());
     }

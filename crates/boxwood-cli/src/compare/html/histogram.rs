@@ -2,7 +2,7 @@
 
 use super::escape::Escaped;
 use super::svg::{Frame, LogAxis, count, family};
-use crate::compare::report::{Measured, Structure};
+use crate::compare::report::{Measured, Structure, contenders};
 use std::fmt::Write;
 
 const WIDTH: f64 = 560.0;
@@ -11,13 +11,11 @@ const HEIGHT: f64 = 330.0;
 /// Shares below this are not worth an octave of the axis.
 const RARE: f64 = 1e-3;
 
-/// The plot, as an SVG; empty where nothing was counted. The exhaustive test is left out: its bar would stand alone, far
-/// to the right.
+/// The plot, as an SVG; empty where nothing was counted. Only contenders: the exhaustive test would stand alone,
+/// far to the right.
 pub fn plot(structures: &[Structure]) -> String {
-    let rows: Vec<(&str, &Measured)> = structures
-        .iter()
-        .filter(|s| !s.is_judge())
-        .filter_map(|s| Some((s.structure.as_str(), s.measured.as_ref()?)))
+    let rows: Vec<(&str, &Measured)> = contenders(structures)
+        .map(|(s, m)| (s.structure.as_str(), m))
         .filter(|(_, m)| m.histogram.iter().any(|&share| share > 0.0))
         .collect();
     if rows.is_empty() {

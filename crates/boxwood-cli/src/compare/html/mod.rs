@@ -154,7 +154,7 @@ fn notes(report: &Report) -> String {
         "Single rays on one thread, median of the rounds; the mean over the kinds is geometric. "
             .to_string();
     if report.sweep.is_none() {
-        text += "The best of each column is marked; the exhaustive test (brute) takes no part. ";
+        text += "The best of each column is marked; the exhaustive test (brute), and what is a hundred times slower than the fastest, takes no part. ";
     }
     let sampled = sampled(report);
     if sampled.is_empty() {
