@@ -2,6 +2,7 @@
 //!
 //! Values are checked here, so that a wrong one is a usage error (exit code 2) before anything is read.
 
+mod compare;
 mod looking;
 mod values;
 
@@ -15,6 +16,7 @@ use clap_complete::Shell;
 use std::path::PathBuf;
 use values::{Size, Vector, fov};
 
+pub use compare::CompareArgs;
 pub use looking::{ExplainArgs, InspectArgs};
 pub use values::{Axis, Levels, Place, Slice, join_vectors};
 
@@ -42,6 +44,7 @@ Examples:
   boxwood cast bunny.ply --rays rays.npy -o hits.npz
   boxwood inspect bunny.ply --svg boxes.svg    Look into a structure
   boxwood explain bunny.ply --pixel 640,360    Follow one ray, step by step
+  boxwood compare bunny.ply --views --html bunny.html
 
 `boxwood help COMMAND` says more about each."
 )]
@@ -57,6 +60,7 @@ pub enum Verb {
     Cast(CastArgs),
     Inspect(InspectArgs),
     Explain(Box<ExplainArgs>),
+    Compare(Box<CompareArgs>),
     Completions(CompletionsArgs),
     Man(ManArgs),
 }
@@ -247,6 +251,13 @@ pub struct TracingArgs {
     #[arg(long, value_name = "KIND", default_value_t, help = accel_help())]
     pub accel: StructureKind,
 
+    #[command(flatten)]
+    pub threads: ThreadArgs,
+}
+
+/// How much of the machine is used.
+#[derive(Args, Debug)]
+pub struct ThreadArgs {
     /// How many threads to use; by default one for each core
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
@@ -274,7 +285,7 @@ fn accel_help() -> String {
     format!("The acceleration structure: {names}; settings follow after commas (bvh:median,leaf=2)")
 }
 
-impl TracingArgs {
+impl ThreadArgs {
     /// Does `work` in a pool of as many threads as asked for, and tells it how many these are.
     pub fn in_pool<T: Send>(&self, work: impl FnOnce(usize) -> Outcome<T> + Send) -> Outcome<T> {
         let threads = match self.threads {

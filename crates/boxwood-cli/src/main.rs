@@ -1,15 +1,17 @@
-//! The `boxwood` command: render, inspect and query real scenes.
+//! The `boxwood` command: render, inspect and query real scenes, compare structures.
 //!
 //! *How it is laid out.* `args` says what the command line may say; each verb has a file or a folder (`render`, `info`, `cast`,
-//! `inspect`, `explain`, `shell`); `scene_file` finds the scene, `output` writes files whole or not at all, `npy` speaks
-//! NumPy, `svg` draws, `terminal` and `progress` speak to people.
+//! `compare`, `inspect`, `explain`, `shell`); `scene_file` finds the scene and `camera` its viewer, `output` writes files whole or
+//! not at all, `npy` speaks NumPy, `svg` draws, `terminal` and `progress` speak to people.
 //!
 //! *What can be relied on.* Exit code 0 for success, 1 for bad input or a refusal of the system, with one sentence on
 //! stderr, 2 for a command line that means nothing. Results go to stdout, everything else to stderr.
 #![forbid(unsafe_code)]
 
 mod args;
+mod camera;
 mod cast;
+mod compare;
 mod explain;
 mod failure;
 mod info;
@@ -36,6 +38,7 @@ fn main() -> ExitCode {
         Verb::Cast(args) => cast::run(args),
         Verb::Inspect(args) => inspect::run(args),
         Verb::Explain(args) => explain::run(args),
+        Verb::Compare(args) => compare::run(args),
         Verb::Completions(args) => shell::completions(args),
         Verb::Man(args) => shell::man(args),
     };

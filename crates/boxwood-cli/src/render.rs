@@ -1,20 +1,18 @@
 //! `boxwood render`: a picture of a scene.
 
-use crate::args::{CameraArgs, RenderArgs};
+use crate::args::RenderArgs;
+use crate::camera;
 use crate::failure::{Failure, Outcome};
 use crate::output::Destination;
 use crate::progress::Progress;
-use crate::scene_file::{self, SceneFile};
+use crate::scene_file;
 use crate::terminal::{self, counted, seconds};
-use boxwood_render::{Film, Options, Pixel, PngOptions, RenderError, Renderer, Setup, camera};
-use boxwood_scene::{Camera, Image, Projection};
+use boxwood_render::{Film, Options, Pixel, PngOptions, RenderError, Renderer, Setup};
+use boxwood_scene::Image;
 use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// Vertical field of view of a camera that nobody described.
-const FOV: f32 = 40.0;
 
 /// Pictures whose making takes more memory are announced.
 const MUCH: u64 = 4 << 30;
@@ -63,6 +61,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
     destination.check(inputs.into_iter().flatten())?;
     let environment = args.environment.as_deref().map(environment).transpose()?;
     args.tracing
+        .threads
         .in_pool(|threads| picture(args, &destination, encoding, environment, threads))
 }
 
@@ -75,7 +74,7 @@ fn picture(
 ) -> Outcome {
     let file = scene_file::open(&args.scene)?;
     // Before the work of building: a wrong camera ends here.
-    let (camera, camera_name) = choose_camera(&args.camera, &file, args.size.0)?;
+    let (camera, camera_name) = camera::choose(&args.camera, &file, args.size.0)?;
     let mut warnings = file.scene.warnings.clone();
     if file.scene.triangle_count() == 0 {
         warnings.push(format!(
@@ -252,59 +251,4 @@ fn environment(path: &Path) -> Outcome<Image> {
     let bytes =
         fs::read(path).map_err(|e| Failure::file(path, format_args!("cannot be read: {e}")))?;
     Ok(Image::from_bytes(path.display().to_string(), bytes)?)
-}
-
-/// The camera the user asked for, the scene's first, or one that shows everything; and its name when it is the scene's.
-pub fn choose_camera(
-    args: &CameraArgs,
-    file: &SceneFile,
-    [width, height]: [u32; 2],
-) -> Outcome<(Camera, Option<String>)> {
-    let names = file.camera_names();
-    let own = |i: usize| {
-        let mut camera = file.scene.cameras[i].clone();
-        if let Some(degrees) = args.fov {
-            camera.projection = Projection::Perspective {
-                vfov: degrees.to_radians(),
-            };
-        }
-        Ok((camera, Some(names[i].clone())))
-    };
-    if let Some(wanted) = &args.camera {
-        let found = names.iter().position(|name| name == wanted);
-        return match found {
-            Some(i) => own(i),
-            None if names.is_empty() => Err(Failure::new(format!(
-                "{}: has no cameras of its own, so none is called `{wanted}`",
-                file.name
-            ))),
-            None => Err(Failure::new(format!(
-                "{}: no camera is called `{wanted}`; there are {}",
-                file.name,
-                names.join(", ")
-            ))),
-        };
-    }
-    let described = args.eye.is_some() || args.up.is_some();
-    if !described && !names.is_empty() {
-        return own(0);
-    }
-    let up = args.up.map_or(file.scene.up, |up| up.0);
-    if up == [0.0; 3] {
-        return Err(Failure::new("--up 0,0,0 gives no direction"));
-    }
-    let vfov = args.fov.unwrap_or(FOV).to_radians();
-    let bounds = file.scene.bounds();
-    let chosen = match args.eye {
-        None => camera::frame(&bounds, up, vfov, width as f32 / height as f32),
-        Some(eye) => {
-            let middle = if bounds.is_empty() {
-                [0.0; 3]
-            } else {
-                bounds.centroid().to_array()
-            };
-            camera::look_at(eye.0, args.look_at.map_or(middle, |at| at.0), up, vfov)?
-        }
-    };
-    Ok((chosen, None))
 }

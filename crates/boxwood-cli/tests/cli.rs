@@ -4,6 +4,8 @@
 mod bench;
 #[path = "cli/cast.rs"]
 mod cast;
+#[path = "cli/compare.rs"]
+mod compare;
 #[path = "cli/explain.rs"]
 mod explain;
 #[path = "cli/info.rs"]

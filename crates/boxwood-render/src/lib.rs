@@ -5,6 +5,8 @@
 //! [`Camera`](boxwood_scene::Camera) ([`camera`] makes one), shades what they meet after Whitted 1980, and returns a
 //! [`Film`]: linear light with what each pixel shows beside it, which becomes a PNG or an EXR.
 //!
+//! Beside pictures, [`workload`] records the rays that make them, for those who compare structures.
+//!
 //! *What can be relied on.* The film holds the same bits for any number of threads and on any machine: samples come from
 //! hashed pixel numbers, and all mathematics from `libm` or from operations that round correctly. No pixel is infinite
 //! or NaN.
@@ -25,12 +27,13 @@ mod render;
 mod sample;
 mod shade;
 mod views;
+pub mod workload;
 mod world;
 
 pub use error::RenderError;
 pub use film::{Film, Pixel, PngOptions};
 pub use render::{Options, Renderer, Setup};
-pub use views::{UnknownView, View, inferno, inferno_srgb};
+pub use views::{HeatScale, UnknownView, View, inferno, inferno_srgb};
 
 /// The README's example compiles.
 #[doc = include_str!("../README.md")]

@@ -2,9 +2,11 @@
 
 mod colour_map;
 mod digits;
+mod heat_map;
 pub(crate) mod legend;
 
 pub use colour_map::{inferno, inferno_srgb};
+pub use heat_map::HeatScale;
 
 use std::fmt;
 use std::str::FromStr;

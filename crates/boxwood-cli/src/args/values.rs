@@ -214,6 +214,26 @@ pub fn fov(text: &str) -> Result<f32, String> {
     }
 }
 
+/// An amount of memory in bytes: `65536`, `512M`, `1.5GiB`. K, M and G are powers of 1024.
+pub fn memory(text: &str) -> Result<usize, String> {
+    const EXPECTED: &str = "expected an amount of memory, such as 512M or 2G";
+    let digits = text
+        .find(|c: char| !(c.is_ascii_digit() || c == '.'))
+        .unwrap_or(text.len());
+    let (number, unit) = text.split_at(digits);
+    let shift = match unit.trim().to_ascii_lowercase().as_str() {
+        "" | "b" => 0,
+        "k" | "kb" | "kib" => 10,
+        "m" | "mb" | "mib" => 20,
+        "g" | "gb" | "gib" => 30,
+        _ => return Err(EXPECTED.to_string()),
+    };
+    match number.parse::<f64>() {
+        Ok(n) if n > 0.0 => Ok((n * f64::from(1_u32 << shift)) as usize),
+        _ => Err(EXPECTED.to_string()),
+    }
+}
+
 /// An exposure.
 pub fn stops(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
@@ -338,6 +358,21 @@ mod tests {
         assert!("0,0,5, 0,0,-1".parse::<SpelledRay>().is_ok());
         for text in ["", "1,2,3", "0,0,0,0,0,0", "0,0,nan,1,0,0", "1,2,3,4,5,6,7"] {
             assert!(text.parse::<SpelledRay>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn amounts_of_memory() {
+        for (text, bytes) in [
+            ("65536", 65_536),
+            ("1k", 1024),
+            ("1.5MiB", 1_572_864),
+            ("2 GB", 2 << 30),
+        ] {
+            assert_eq!(memory(text), Ok(bytes));
+        }
+        for text in ["", "0", "-1", "much", "1T", "1.2.3M"] {
+            assert!(memory(text).is_err(), "{text}");
         }
     }
 

@@ -36,7 +36,7 @@ pub fn run(args: &CastArgs) -> Outcome {
     }
     let channel = output.as_ref().map_or(Channel::Stdout, Destination::report);
     let rays = rays::read(&args.rays)?;
-    args.tracing.in_pool(|threads| {
+    args.tracing.threads.in_pool(|threads| {
         let file = scene_file::open(&args.scene)?;
         terminal::warnings(&file.name, &file.scene.warnings);
         let flat = file.flatten()?;
@@ -124,7 +124,7 @@ impl Report {
 }
 
 /// The middle value; of an even number, the mean of the middle two.
-fn median(times: &mut [f64]) -> f64 {
+pub fn median(times: &mut [f64]) -> f64 {
     times.sort_by(f64::total_cmp);
     match times {
         [] => 0.0,

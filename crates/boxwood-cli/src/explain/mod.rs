@@ -5,10 +5,10 @@ mod story;
 mod text;
 
 use crate::args::ExplainArgs;
+use crate::camera;
 use crate::failure::{Failure, Outcome};
 use crate::output::Destination;
 use crate::progress::Progress;
-use crate::render::choose_camera;
 use crate::scene_file::{self, SceneFile};
 use crate::terminal::{self, Channel};
 use boxwood::{BruteForce, Hit, Intersect, Ray};
@@ -63,7 +63,7 @@ pub fn run(args: &ExplainArgs) -> Outcome {
         output.check([args.scene.as_path()])?;
     }
     let channel = output.as_ref().map_or(Channel::Stdout, Destination::report);
-    args.tracing.in_pool(|_| {
+    args.tracing.threads.in_pool(|_| {
         let file = scene_file::open(&args.scene)?;
         terminal::warnings(&file.name, &file.scene.warnings);
         let ray = ray(args, &file)?;
@@ -129,7 +129,7 @@ fn ray(args: &ExplainArgs, file: &SceneFile) -> Outcome<Ray> {
             pixel[0], pixel[1], size[0], size[1]
         )));
     }
-    let (camera, _) = choose_camera(&args.camera, file, size)?;
+    let (camera, _) = camera::choose(&args.camera, file, size)?;
     Ok(pixel_ray(&camera, size, pixel))
 }
 

@@ -2,6 +2,7 @@
 
 use super::colour_map::inferno;
 use super::digits;
+use super::heat_map::HeatScale;
 use crate::colour::WHITE;
 use boxwood::Vec3;
 
@@ -10,36 +11,13 @@ use boxwood::Vec3;
 /// The scale runs from 0 to the cost that all but one pixel in two hundred stay below, rounded up to a round number: one
 /// unlucky pixel does not darken the rest.
 pub fn picture(costs: &[u32], [width, height]: [usize; 2]) -> Vec<Vec3> {
-    let most = scale(costs);
+    let most = HeatScale::of([costs]).most();
     let mut pixels: Vec<Vec3> = costs
         .iter()
         .map(|&cost| inferno(cost as f32 / most as f32))
         .collect();
     draw(&mut pixels, [width, height], most);
     pixels
-}
-
-fn scale(costs: &[u32]) -> u32 {
-    let mut sorted = costs.to_vec();
-    sorted.sort_unstable();
-    let high = sorted
-        .get(sorted.len().saturating_sub(1 + sorted.len() / 200))
-        .copied()
-        .unwrap_or(0);
-    round_up(high.max(1))
-}
-
-/// The next of 1, 2, 4, 6, 8, 10, 20, 40 …: halves stay whole.
-fn round_up(n: u32) -> u32 {
-    let mut unit = 1_u32;
-    while n > unit.saturating_mul(10) {
-        unit = unit.saturating_mul(10);
-    }
-    [2, 4, 6, 8, 10]
-        .into_iter()
-        .map(|k| unit.saturating_mul(k))
-        .find(|&m| m >= n)
-        .unwrap_or(n)
 }
 
 fn draw(pixels: &mut [Vec3], [width, height]: [usize; 2], most: u32) {
@@ -85,19 +63,6 @@ fn draw(pixels: &mut [Vec3], [width, height]: [usize; 2], most: u32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn scales_are_round_and_ignore_the_odd_pixel() {
-        assert_eq!(
-            [1, 2, 3, 11, 19, 47, 99, 101].map(round_up),
-            [2, 2, 4, 20, 20, 60, 100, 200]
-        );
-        assert!(round_up(u32::MAX) == u32::MAX);
-        let mut costs = vec![37; 1000];
-        costs[5] = 9000;
-        assert_eq!(scale(&costs), 40);
-        assert_eq!(scale(&[]), 2);
-    }
 
     #[test]
     fn tiny_pictures_have_no_legend() {
