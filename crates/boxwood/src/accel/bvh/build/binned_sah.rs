@@ -9,7 +9,9 @@
 //!
 //! *Source.* Wald 2007, *On Fast Construction of SAH-based Bounding Volume Hierarchies*.
 
-use super::top_down::{Extent, SEQUENTIAL, Split, top_down_refined};
+#[cfg(feature = "parallel")]
+use super::top_down::SEQUENTIAL;
+use super::top_down::{Extent, Split, top_down_refined};
 use super::{BinaryTree, Item};
 use crate::accel::bvh::refine::Refine;
 use crate::accel::bvh::tree::MAX_LEAF;
