@@ -318,3 +318,23 @@ fn scale([x, y]: [f64; 2], first: u32, deepest: u32) -> Element {
     }
     legend
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_cut_polygons_in_two_points() {
+        let square = [[0.0; 3], [2.0, 0.0, 0.0], [2.0, 2.0, 2.0], [0.0, 2.0, 2.0]].map(Vec3::from);
+        let cut = section(&square, (2, 0.5)).expect("it is cut");
+        assert_eq!(cut.map(Vec3::to_array), [[2.0, 0.5, 0.5], [0.0, 0.5, 0.5]]);
+        assert_eq!(section(&square, (2, 3.0)), None);
+        // A plane through an edge cuts there, and one in which all of it lies nowhere.
+        assert!(section(&square, (0, 2.0)).is_some());
+        assert_eq!(
+            section(&square.map(|p| Vec3::new(p.x, p.y, 1.0)), (2, 1.0)),
+            None
+        );
+        assert_eq!(section(&[], (2, 1.0)), None);
+    }
+}

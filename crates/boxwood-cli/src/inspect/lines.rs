@@ -204,3 +204,34 @@ fn container(mut json: Vec<u8>, mut bytes: Vec<u8>) -> Outcome<Vec<u8>> {
 fn one_line(text: &str) -> String {
     text.replace(char::is_control, " ")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use boxwood::Aabb;
+
+    #[test]
+    fn cells_are_their_sides_or_their_boxes() {
+        let bounds = Aabb::new([0.0; 3], [1.0, 2.0, 3.0]);
+        let side = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 3.0]];
+        let sides = [side.map(Vec3::from).to_vec(), Vec::new()];
+        let cell = |sides| Cell {
+            node: 0,
+            depth: 0,
+            bounds,
+            primitives: None,
+            sides,
+        };
+        let mut lines = Lines::default();
+        lines.add(&cell(&sides));
+        assert_eq!(lines.points, side);
+        assert_eq!(lines.edges, [[0, 1], [1, 2], [2, 0]]);
+        lines.add(&cell(&[]));
+        assert_eq!((lines.points.len(), lines.edges.len()), (3 + 8, 3 + 12));
+        // Each edge of a box has the length of one of its sides.
+        for [a, b] in &lines.edges[3..] {
+            let [a, b] = [a, b].map(|&k| Vec3::from(lines.points[k as usize]));
+            assert!([1.0, 2.0, 3.0].contains(&(a - b).length()));
+        }
+    }
+}

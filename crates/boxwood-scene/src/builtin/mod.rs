@@ -3,7 +3,7 @@
 //! *How it works.* Each scene has a name and a function that fills the tables of a [`Scene`]. Only the four basic
 //! operations, square roots and the functions of `libm` are used, so every machine computes the same scene.
 //!
-//! The scenes are hard on structures each in its own way. [`names`] lists them; those that take a number (`city:2000`) can
+//! The scenes are hard on structures each in its own way. [`names()`] lists them; those that take a number (`city:2000`) can
 //! be made in any size, and each seed makes another one.
 //!
 //! *Source.* "Teapot in a stadium" is an old name for what troubles grids and octrees: a small thing with all the
