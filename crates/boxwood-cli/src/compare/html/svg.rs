@@ -44,6 +44,7 @@ impl LogAxis {
     pub fn ticks(&self) -> Vec<f64> {
         let decades = (self.high / self.low).log10();
         let steps: &[f64] = match decades {
+            d if d < 0.9 => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0],
             d if d < 2.2 => &[1.0, 2.0, 5.0],
             d if d < 4.0 => &[1.0, 3.0],
             _ => &[1.0],
