@@ -164,14 +164,14 @@ impl<'a> Recorder<'a> {
             RayKind::Shadow => self.shadows(),
             RayKind::Ao => {
                 let reach = REACH * bounds.size().length();
-                self.from_surfaces(|i, at| Some(bounce(i, at).until(reach)))
+                self.on_surfaces(|i, at| Some(bounce(i, at).until(reach)))
             }
-            RayKind::Diffuse => self.from_surfaces(|i, at| Some(bounce(i, at))),
+            RayKind::Diffuse => self.on_surfaces(|i, at| Some(bounce(i, at))),
         }
     }
 
     /// One ray, or none, from each place that a primary ray meets.
-    fn from_surfaces(&self, ray: impl Fn(u32, &Surface) -> Option<Ray> + Sync) -> Vec<Ray> {
+    fn on_surfaces(&self, ray: impl Fn(u32, &Surface) -> Option<Ray> + Sync) -> Vec<Ray> {
         view(self.camera, self.size)
             .into_par_iter()
             .enumerate()
@@ -186,7 +186,7 @@ impl<'a> Recorder<'a> {
         let lens = Lens::new(self.camera, self.size);
         let shoulder = lens.over_the_shoulder(self.scene.up.into(), &self.structure.bounds());
         let lights = &self.scene.lights;
-        self.from_surfaces(|i, at| {
+        self.on_surfaces(|i, at| {
             let samples = Samples::new([i, 1], 0).pair(LIGHT, 1, 0);
             let (way, end) = match lights.len() {
                 0 => (shoulder, f32::INFINITY),

@@ -176,7 +176,8 @@ fn all_hold(boxes: &Boxes, bins: usize, leaf: usize) -> Result<(), TestCaseError
 /// Refinements keep trees whole, and the three that optimise never raise the cost.
 fn refinements_hold(boxes: &Boxes, tree: &BinaryTree) -> Result<(), TestCaseError> {
     let cost = |tree: &BinaryTree| inspect::Statistics::of_tree(tree).sah_cost;
-    let refinements: [(&str, &dyn Fn(&mut BinaryTree)); 3] = [
+    type Refinement<'a> = (&'a str, &'a dyn Fn(&mut BinaryTree));
+    let refinements: [Refinement<'_>; 3] = [
         ("reinsertion", &|tree| refine::reinsertion(tree, 3)),
         ("rotation", &|tree| refine::rotation(tree, 3)),
         ("collapse", &|tree| refine::collapse_leaves(tree, 6)),

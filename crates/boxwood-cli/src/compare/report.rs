@@ -164,17 +164,20 @@ pub fn bin_of(steps: u64) -> usize {
     2 * octave + usize::from(n * n >= 1 << (2 * octave + 1))
 }
 
+/// What a column shows of a structure.
+type Value = Box<dyn Fn(&Measured) -> Option<f64>>;
+
 /// A column of the tables in which somebody wins.
 pub struct Column {
     /// The key in [`Report::winners`].
     pub key: String,
-    value: Box<dyn Fn(&Measured) -> Option<f64>>,
+    value: Value,
     more_is_better: bool,
 }
 
 /// All columns in which somebody wins.
 pub fn columns(workloads: &[Workload]) -> Vec<Column> {
-    let column = |key: &str, more_is_better, value: Box<dyn Fn(&Measured) -> Option<f64>>| Column {
+    let column = |key: &str, more_is_better, value: Value| Column {
         key: key.to_string(),
         value,
         more_is_better,

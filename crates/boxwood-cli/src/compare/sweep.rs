@@ -5,6 +5,7 @@
 //! dropped before the next, so that only one takes memory.
 
 use super::report::{Curve, Measured, Point, Structure, Sweep};
+use super::text::round;
 use super::{Candidate, Job, Workload, build, compare_with};
 use crate::failure::{Failure, Outcome};
 use boxwood::StructureKind;
@@ -106,15 +107,15 @@ impl FromStr for Family {
 fn cells_per_triangle(triangles: usize) -> Vec<(f64, String)> {
     let n = triangles.max(1) as f64;
     let most = (MOST_CELLS / n).clamp(2.0 * LECTURE_CELLS, FINEST);
-    // Powers of two times the lecture's number: 27 itself is one.
-    let steps = -20..=20;
-    let mut points = vec![(1.0 / n, "resolution=1".to_string())];
-    points.extend(
-        steps
-            .map(|k| LECTURE_CELLS * f64::from(k).exp2())
-            .filter(|&c| c > 4.0 / n && c <= most)
-            .map(|c| (c, format!("c={}", c as f32))),
-    );
+    let mut points = vec![(1.0 / n, "resolution=1x1x1".to_string())];
+    // Powers of two times the lecture's number, which is one of them, in three digits.
+    for k in -20..=20 {
+        let text = round(LECTURE_CELLS * f64::from(k).exp2());
+        let Ok(c) = text.parse::<f64>() else { continue };
+        if c > 4.0 / n && c <= most {
+            points.push((c, format!("c={text}")));
+        }
+    }
     points
 }
 
@@ -181,7 +182,7 @@ mod tests {
     #[test]
     fn a_grid_is_swept_from_one_cell_to_too_many() {
         let points = cells_per_triangle(1000);
-        assert_eq!(points[0], (0.001, "resolution=1".to_string()));
+        assert_eq!(points[0], (0.001, "resolution=1x1x1".to_string()));
         assert!(points.contains(&(27.0, "c=27".to_string())));
         assert!(points.last().is_some_and(|p| p.0 > 27.0 * 200.0));
         assert!(points.is_sorted_by(|a, b| a.0 < b.0));

@@ -115,11 +115,7 @@ fn sweep(sweep: &Sweep) -> String {
     for curve in &sweep.curves {
         table.heading(&curve.name);
         for (i, point) in curve.points.iter().enumerate() {
-            let value = number(Some(point.value), if point.value < 10.0 { 3 } else { 1 });
-            let value = value
-                .trim_end_matches('0')
-                .trim_end_matches('.')
-                .to_string();
+            let value = round(point.value);
             let Some(m) = &point.structure.measured else {
                 table.note(&point.structure);
                 continue;
@@ -230,6 +226,20 @@ pub fn rate(value: Option<f64>) -> String {
             format!("{x:.digits$}")
         }
         _ => number(value, 1),
+    }
+}
+
+/// Three digits that matter, without zeros at the end.
+pub fn round(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return "0".to_string();
+    }
+    let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    let text = format!("{value:.digits$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_string()
+    } else {
+        text
     }
 }
 

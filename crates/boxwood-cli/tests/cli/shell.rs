@@ -56,10 +56,11 @@ fn completions_for_every_shell() {
 fn manual_pages() {
     let bench = Bench::new();
     assert!(bench.good("man").contains(".TH boxwood 1"));
-    assert_eq!(bench.good("man --dir pages"), "wrote 8 pages to pages\n");
+    assert_eq!(bench.good("man --dir pages"), "wrote 9 pages to pages\n");
     for (page, text) in [
         ("boxwood", "render"),
         ("boxwood-cast", "offsets"),
+        ("boxwood-compare", "format_version"),
         ("boxwood-render", "look"),
         ("boxwood-info", "JSON"),
         ("boxwood-inspect", "slice"),

@@ -17,6 +17,7 @@ use super::views::Pictures;
 use crate::terminal::{counted, grouped, seconds};
 use escape::Escaped;
 use std::fmt::Write;
+use std::path::Path;
 
 /// The whole page.
 pub fn page(report: &Report, views: Option<&Pictures>) -> String {
@@ -72,13 +73,16 @@ fn header(report: &Report, views: Option<&Pictures>) -> String {
     } else {
         "hero plain"
     };
+    // The folder is told below.
+    let title = Path::new(&settings.scene).file_name();
+    let title = title.map_or(settings.scene.clone().into(), |name| name.to_string_lossy());
     let subject = match &report.sweep {
         Some(sweep) => format!("{} of {} structures", sweep.setting, sweep.family),
         None => counted(report.structures.len() as u64, "structure"),
     };
     let mut html = format!(
         "<header class=\"{class}\"><div><h1>{}</h1><p class=\"sub\">{}, {subject}, {} of rays</p>",
-        Escaped(&settings.scene),
+        Escaped(&title),
         counted(settings.triangles, "triangle"),
         counted(report.workloads.len() as u64, "kind"),
     );
@@ -142,7 +146,7 @@ fn overtaken(report: &Report) -> String {
             format!(
                 "; {} is done before it from {} rays on",
                 Escaped(&last.name),
-                svg::count(break_even(first, last))
+                svg::count(break_even(first, last).ceil())
             )
         }
         _ => String::new(),

@@ -6,6 +6,7 @@
 
 use super::escape::Escaped;
 use super::svg::{count, round};
+use crate::compare::text::number;
 use crate::compare::views::{Map, Pictures};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -191,13 +192,7 @@ fn ratio_legend() -> String {
         format!("<stop offset=\"{offset:.4}\" stop-color=\"#{r:02x}{g:02x}{b:02x}\"/>")
     };
     let stops: String = (-8..=8).map(stop).collect();
-    let labels = [
-        "B costs 4 × or more",
-        "B 2 ×",
-        "equal",
-        "A 2 ×",
-        "A costs 4 × or more",
-    ];
+    let labels = ["B costs 4 ×", "2 ×", "equal", "2 ×", "A costs 4 ×"];
     let texts: String = (0..5)
         .map(|i| {
             let anchor = ["start", "middle", "middle", "middle", "end"][i];
@@ -241,7 +236,7 @@ fn pairs(maps: &[Map]) -> String {
             let _ = write!(
                 html,
                 "<td style=\"background:#{r:02x}{g:02x}{b:02x};color:{ink}\">{}</td>",
-                round(ratio)
+                number(Some(ratio), 2)
             );
         }
         html += "</tr>";

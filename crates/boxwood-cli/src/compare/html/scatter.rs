@@ -13,7 +13,7 @@ const LETTER: f64 = 6.7;
 /// The plot, as an SVG.
 pub fn plot(places: &[Place]) -> String {
     let frame = Frame {
-        left: 66.0,
+        left: 76.0,
         right: WIDTH - 12.0,
         top: 10.0,
         bottom: HEIGHT - 48.0,
@@ -99,7 +99,7 @@ pub fn advice(places: &[Place]) -> String {
         let _ = write!(
             html,
             "<li>from {} rays on: <b>{}</b></li>",
-            count(break_even(best[now], best[next])),
+            count(break_even(best[now], best[next]).ceil()),
             Escaped(&best[next].name)
         );
         now = next;

@@ -1,5 +1,6 @@
 //! Axes for drawings, and colours for families of structures.
 
+pub use crate::compare::text::round;
 use std::fmt::Write;
 
 /// A logarithmic axis between two positions of a drawing.
@@ -43,6 +44,7 @@ impl LogAxis {
     pub fn ticks(&self) -> Vec<f64> {
         let decades = (self.high / self.low).log10();
         let steps: &[f64] = match decades {
+            d if d < 0.9 => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0],
             d if d < 2.2 => &[1.0, 2.0, 5.0],
             d if d < 4.0 => &[1.0, 3.0],
             _ => &[1.0],
@@ -88,7 +90,7 @@ impl Frame {
         }
         let _ = write!(
             svg,
-            r#"<text class="axis" transform="translate(14 {middle:.1}) rotate(-90)" text-anchor="middle">{}</text>"#,
+            r#"<text class="axis" transform="translate(11 {middle:.1}) rotate(-90)" text-anchor="middle">{}</text>"#,
             labels[1]
         );
         svg
@@ -161,20 +163,6 @@ pub fn count(n: f64) -> String {
         n => (n, ""),
     };
     format!("{}{unit}", round(value))
-}
-
-/// Three digits that matter, without zeros at the end.
-pub fn round(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return "0".to_string();
-    }
-    let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
-    let text = format!("{value:.digits$}");
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_string()
-    } else {
-        text
-    }
 }
 
 #[cfg(test)]

@@ -82,7 +82,7 @@ fn bytes(n: f64) -> String {
 
 fn panel(sweep: &Sweep, lines: &[Line<'_>], label: &str, text: fn(f64) -> String) -> String {
     let frame = Frame {
-        left: 66.0,
+        left: 76.0,
         right: WIDTH - 14.0,
         top: 34.0,
         bottom: HEIGHT - 48.0,

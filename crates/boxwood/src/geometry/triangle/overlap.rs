@@ -8,6 +8,7 @@
 //! *Source.* Akenine-Möller 2001, *Fast 3D Triangle-Box Overlap Testing*; Sutherland & Hodgman 1974, *Reentrant Polygon
 //! Clipping*.
 
+use crate::geometry::ray::round_down;
 use crate::geometry::{Aabb, Vec3};
 
 type Point = [f64; 3];
@@ -75,8 +76,8 @@ pub fn clipped_bounds(triangle: [Vec3; 3], b: &Aabb) -> Aabb {
     }
     let mut part = Aabb::EMPTY;
     for p in polygon.corners() {
-        for axis in 0..3 {
-            let (down, up) = (round_down(p[axis]), -round_down(-p[axis]));
+        for (axis, &x) in p.iter().enumerate() {
+            let (down, up) = (round_down(x), -round_down(-x));
             part.lower[axis] = part.lower[axis].min(down);
             part.upper[axis] = part.upper[axis].max(up);
         }
@@ -84,8 +85,6 @@ pub fn clipped_bounds(triangle: [Vec3; 3], b: &Aabb) -> Aabb {
     // Rounding outwards may have left either.
     part.intersection(around).intersection(*b)
 }
-
-use crate::geometry::ray::round_down;
 
 const MOST_CORNERS: usize = 9;
 

@@ -87,7 +87,7 @@ const REINSERTION_WORK: usize = 8;
 /// The area of all inner nodes. Leaves keep theirs while subtrees move, so this is the part of the cost that changes.
 fn inner_area(tree: &BinaryTree) -> f64 {
     let inner = tree.nodes.iter().filter(|node| !node.is_leaf());
-    inner.map(|node| area(node)).sum()
+    inner.map(area).sum()
 }
 
 fn area(node: &BinaryNode) -> f64 {
