@@ -26,6 +26,7 @@ mod film;
 mod render;
 mod sample;
 mod shade;
+mod structure;
 mod views;
 pub mod workload;
 mod world;
@@ -33,6 +34,7 @@ mod world;
 pub use error::RenderError;
 pub use film::{Film, Pixel, PngOptions};
 pub use render::{Options, Renderer, Setup};
+pub use structure::build_structure;
 pub use views::{HeatScale, UnknownView, View, inferno, inferno_srgb};
 
 /// The README's example compiles.

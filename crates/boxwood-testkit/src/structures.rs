@@ -1,6 +1,6 @@
 //! The one table of structures: a new structure is one line here, and every test, fuzz target and comparison has it.
 
-use boxwood::{Intersect, Primitives, StructureKind};
+use boxwood::{Intersect, Primitives, StructureKind, TriangleMesh};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::OnceLock;
 
@@ -120,6 +120,12 @@ pub fn all() -> impl Iterator<Item = Entry> {
         })
     });
     plain.chain(threaded)
+}
+
+/// A structure over a mesh. Not generic, so that the code of all structures over meshes is made once, in this crate, and
+/// shared by all tests, which would otherwise spend minutes each on making it again.
+pub fn over_mesh(kind: StructureKind, mesh: &TriangleMesh) -> Box<dyn Intersect + '_> {
+    kind.build(mesh)
 }
 
 /// A pool of 1 to 8 threads, made once.

@@ -12,7 +12,7 @@ const BARREN: [&str; 4] = ["empty", "any floats", "random, 1e-30", "mixed sizes,
 const BLIND: [&str; 3] = ["in the plane", "special values", "turned round"];
 
 fn rays_each() -> usize {
-    effort(10)
+    effort(5)
 }
 
 #[test]

@@ -11,6 +11,8 @@ use crate::progress::Progress;
 use crate::scene_file;
 use crate::terminal::{self, Channel, counted, seconds};
 use answers::Question;
+use boxwood::Limits;
+use boxwood_render::build_structure;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -45,7 +47,7 @@ pub fn run(args: &CastArgs) -> Outcome {
         let start = Instant::now();
         let structure = {
             let _progress = Progress::spinner(format!("Building {kind}"));
-            kind.build(&flat.mesh)
+            build_structure(kind, &flat.mesh, &Limits::NONE)?
         };
         let build_seconds = start.elapsed().as_secs_f64();
 

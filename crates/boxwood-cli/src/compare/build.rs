@@ -4,6 +4,7 @@ use super::report;
 use crate::failure::{Failure, Outcome};
 use crate::progress::Progress;
 use boxwood::{BuildError, Intersect, Limits, StructureKind, TriangleMesh};
+use boxwood_render::build_structure;
 use std::ops::ControlFlow::Continue;
 use std::time::Instant;
 
@@ -38,7 +39,7 @@ pub fn build<'a>(
     let mut times = Vec::new();
     loop {
         let start = Instant::now();
-        let structure = match kind.build_within(mesh, &limits) {
+        let structure = match build_structure(kind, mesh, &limits) {
             Ok(structure) => structure,
             Err(error @ BuildError::Memory { .. }) => return Ok(Err(error.to_string())),
             Err(error) => return Err(Failure::new(format!("{kind}: {error}"))),

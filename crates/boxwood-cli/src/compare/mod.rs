@@ -23,7 +23,8 @@ use crate::output::Destination;
 use crate::progress::Progress;
 use crate::scene_file::{self, SceneFile};
 use crate::terminal::{self, Channel};
-use boxwood::{StructureKind, TriangleMesh};
+use boxwood::{Limits, StructureKind, TriangleMesh};
+use boxwood_render::build_structure;
 use boxwood_render::workload::Recorder;
 use boxwood_scene::Camera;
 use build::Built;
@@ -183,7 +184,7 @@ impl Job<'_> {
     /// The rays, with answers from the default structure, and the size of the image that the primary ones make.
     fn record(&self) -> Outcome<(Vec<Workload>, [u32; 2])> {
         let _progress = Progress::spinner("Recording rays");
-        let reference = StructureKind::default().build(self.mesh);
+        let reference = build_structure(StructureKind::default(), self.mesh, &Limits::NONE)?;
         let [width, height] = self.args.size.0.map(|side| side as f32);
         let recorder = Recorder::new(
             &self.file.scene,

@@ -11,7 +11,8 @@ use crate::output::Destination;
 use crate::progress::Progress;
 use crate::scene_file::{self, SceneFile};
 use crate::terminal::{self, Channel};
-use boxwood::{BruteForce, Hit, Intersect, Ray};
+use boxwood::{BruteForce, Hit, Intersect, Limits, Ray};
+use boxwood_render::build_structure;
 use boxwood_render::camera::pixel_ray;
 use boxwood_scene::FlatScene;
 use serde::Serialize;
@@ -71,7 +72,7 @@ pub fn run(args: &ExplainArgs) -> Outcome {
         let kind = args.tracing.accel;
         let structure = {
             let _progress = Progress::spinner(format!("Building {kind}"));
-            kind.build(&flat.mesh)
+            build_structure(kind, &flat.mesh, &Limits::NONE)?
         };
         let story = Story::of(&*structure, &ray);
         let hit = structure.closest_hit(&ray);

@@ -10,7 +10,8 @@ use crate::output::Destination;
 use crate::progress::Progress;
 use crate::scene_file;
 use crate::terminal::{self, Channel, counted, grouped, seconds};
-use boxwood::{Intersect, StructureKind};
+use boxwood::{Intersect, Limits, StructureKind};
+use boxwood_render::build_structure;
 use histogram::Histogram;
 use serde::Serialize;
 use std::path::Path;
@@ -82,7 +83,7 @@ pub fn run(args: &InspectArgs) -> Outcome {
         .accel
         .iter()
         .map(|&kind| Inspected::of(kind, &flat.mesh))
-        .collect();
+        .collect::<Outcome<_>>()?;
     let levels = args.levels.unwrap_or(Levels::ALL);
 
     let mut wrote = Vec::new();
@@ -133,11 +134,11 @@ pub fn run(args: &InspectArgs) -> Outcome {
 }
 
 impl<'a> Inspected<'a> {
-    fn of(kind: StructureKind, mesh: &'a boxwood::TriangleMesh) -> Self {
+    fn of(kind: StructureKind, mesh: &'a boxwood::TriangleMesh) -> Outcome<Self> {
         let start = Instant::now();
         let structure = {
             let _progress = Progress::spinner(format!("Building {kind}"));
-            kind.build(mesh)
+            build_structure(kind, mesh, &Limits::NONE)?
         };
         let build_seconds = start.elapsed().as_secs_f64();
         let s = structure.statistics();
@@ -167,11 +168,11 @@ impl<'a> Inspected<'a> {
             leaf_sizes,
             levels,
         };
-        Self {
+        Ok(Self {
             kind,
             structure,
             numbers,
-        }
+        })
     }
 }
 
