@@ -109,7 +109,8 @@ impl<'a> Site<'a> {
 
     /// Counts bytes that were given back.
     pub fn give(&self, bytes: usize) {
-        self.used.fetch_sub(bytes, Relaxed);
+        let less = |used: usize| Some(used.saturating_sub(bytes));
+        let _ = self.used.fetch_update(Relaxed, Relaxed, less);
     }
 
     /// Makes room in a list for more, and counts it; `false` when there is none, and the build is over.

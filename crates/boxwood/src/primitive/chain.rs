@@ -65,6 +65,19 @@ impl<A: Primitives, B: Primitives> Primitives for Chain<A, B> {
             Some(i) => self.b.clipped_bounds(i, within),
         }
     }
+    fn overlaps(&self, i: usize, within: &Aabb) -> bool {
+        match i.checked_sub(self.a.len()) {
+            None => self.a.overlaps(i, within),
+            Some(i) => self.b.overlaps(i, within),
+        }
+    }
+    fn object_end(&self, i: usize) -> usize {
+        let before = self.a.len();
+        match i.checked_sub(before) {
+            None => self.a.object_end(i).min(before),
+            Some(i) => before + self.b.object_end(i),
+        }
+    }
     fn corners(&self, i: usize) -> Option<[Vec3; 3]> {
         match i.checked_sub(self.a.len()) {
             None => self.a.corners(i),

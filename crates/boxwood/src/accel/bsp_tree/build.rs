@@ -51,7 +51,7 @@ impl Default for BspSah {
 /// Cells with so many primitives or fewer try slanted planes, and every plane where one begins or ends.
 const EXACT: usize = 128;
 /// The units of work of a whole build, for those who watch: divided among the cells by their primitives.
-const WORK: usize = 1 << 40;
+const WORK: usize = 1 << 30;
 /// What a reference or node takes while it is worked on and afterwards, about: what the budget is cut down by.
 const BYTES_EACH: usize = 64;
 /// Halves with fewer primitives are built one after the other.
@@ -196,6 +196,9 @@ impl<P: Primitives + Sync> Work<'_, P> {
                 shape
             };
             let mut part = Part::default();
+            if !self.site.reserve(&mut part.nodes, 1) {
+                return part;
+            }
             part.nodes.push(Node::leaf(0, 0));
             self.fragments(&fragments, &shape, place, 0, &mut part);
             return part;
@@ -262,7 +265,9 @@ impl<P: Primitives + Sync> Work<'_, P> {
 
     fn large_leaf(&self, pieces: Vec<Piece>, place: &Place) -> Part {
         let mut part = Part::default();
-        if self.site.reserve(&mut part.references, pieces.len()) {
+        if self.site.reserve(&mut part.references, pieces.len())
+            && self.site.reserve(&mut part.nodes, 1)
+        {
             part.references.extend(pieces.iter().map(|piece| piece.id));
             part.nodes.push(Node::leaf(0, pieces.len() as u32));
         }

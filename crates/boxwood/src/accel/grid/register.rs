@@ -12,6 +12,8 @@ use rayon::prelude::*;
 
 /// So many primitives are put into their cells by one thread at a time.
 const TOGETHER: usize = 256;
+/// Memory is asked for so many references at a time.
+const AT_ONCE: usize = 4096;
 
 /// No grid holds more references for so many primitives: what would is made coarser.
 pub(crate) fn most_references(primitives: usize) -> usize {
@@ -34,7 +36,9 @@ pub(crate) fn register<P: Primitives + Sync>(
     let n = primitives.len();
     let (taken, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
     let part = |number: usize| {
-        let mut part = Vec::new();
+        let mut part: Vec<Reference> = Vec::new();
+        // How many of them the site knows of: it is told before they are many.
+        let mut told = 0;
         let places = number * TOGETHER..n.min((number + 1) * TOGETHER);
         let count = places.len();
         if failed.load(Relaxed) || !site.advance(count) {
@@ -50,22 +54,25 @@ pub(crate) fn register<P: Primitives + Sync>(
                     cell,
                     primitive: i as u32,
                 });
-                if part.len() > most {
-                    Break(())
-                } else {
-                    Continue(())
+                if part.len() <= told {
+                    return Continue(());
                 }
+                if part.len() > most || !site.advance(0) || !site.try_take(AT_ONCE * BYTES_EACH) {
+                    return Break(());
+                }
+                told += AT_ONCE;
+                Continue(())
             };
             if cells_of(i, &around, &mut put).is_break() {
                 failed.store(true, Relaxed);
+                site.give(told * BYTES_EACH);
                 return Vec::new();
             }
         }
-        if site.try_take(part.len() * BYTES_EACH) {
-            let before = taken.fetch_add(part.len(), Relaxed);
-            if before + part.len() <= most {
-                return part;
-            }
+        site.give((told - part.len().min(told)) * BYTES_EACH);
+        let before = taken.fetch_add(part.len(), Relaxed);
+        if before + part.len() <= most {
+            return part;
         }
         failed.store(true, Relaxed);
         Vec::new()

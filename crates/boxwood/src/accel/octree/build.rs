@@ -115,8 +115,10 @@ impl OctreeBuilder {
             units: WORK,
         };
         let mut part = Part::default();
-        part.nodes.push(Node::leaf(0, 0));
-        work.divide(&mut items, 0, &cell, 0, &mut part);
+        if site.reserve(&mut part.nodes, 1) {
+            part.nodes.push(Node::leaf(0, 0));
+            work.divide(&mut items, 0, &cell, 0, &mut part);
+        }
         if !site.is_over() {
             part.nodes.shrink_to_fit();
             part.references.shrink_to_fit();
@@ -127,7 +129,7 @@ impl OctreeBuilder {
 }
 
 /// The units of work of a whole build, for those who watch: divided among the cells by their primitives.
-const WORK: usize = 1 << 40;
+const WORK: usize = 1 << 30;
 /// So that places have 32 bits.
 const MOST_BYTES: usize = if usize::BITS > 32 {
     4 * (u32::MAX as usize)
@@ -233,7 +235,9 @@ impl<P: Primitives + Sync> Work<'_, P> {
                 .map(|octant| {
                     let mut below = Part::default();
                     let mut mine = Vec::new();
-                    if self.site.reserve(&mut mine, counts[octant]) {
+                    if self.site.reserve(&mut mine, counts[octant])
+                        && self.site.reserve(&mut below.nodes, 1)
+                    {
                         choose(&items[start..], &part.masks[masks..], octant, &mut mine);
                         below.nodes.push(Node::leaf(0, 0));
                         self.divide(&mut mine, 0, &child(octant), 0, &mut below);

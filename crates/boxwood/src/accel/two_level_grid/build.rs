@@ -142,7 +142,7 @@ impl<P: Primitives + Sync> Work<'_, P> {
             return None;
         };
         let references: usize = parts.iter().map(Vec::len).sum();
-        let (blocks, cells) = self.divide(axes, lattice, density, parts);
+        let (blocks, cells) = self.divide(axes, lattice, density, parts, last);
         self.site.give(references * BYTES_EACH);
         let cells_bytes = bytes_of_cells(cells);
         if !self.take(cells_bytes, last) {
@@ -185,6 +185,7 @@ impl<P: Primitives + Sync> Work<'_, P> {
         lattice: &Lattice,
         density: f64,
         mut references: Vec<Vec<Reference>>,
+        last: bool,
     ) -> (CutBlocks, usize) {
         let mut counts = alloc::vec![0_u32; lattice.cells() as usize];
         for reference in references.iter().flatten() {
@@ -218,7 +219,7 @@ impl<P: Primitives + Sync> Work<'_, P> {
             let places = ones(&masks, from, from + cells as usize).max(1);
             let crowd = f64::from(count) / places as f64;
             // Surfaces fill cells by the square of the resolution; cells in all are its cube.
-            let finer = if crowd > CROWDED {
+            let finer = if crowd > CROWDED && !last {
                 crowd / AT_EASE
             } else {
                 1.0

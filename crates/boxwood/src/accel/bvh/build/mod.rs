@@ -92,8 +92,9 @@ impl Item {
     }
 }
 
-/// The bytes that a builder needs for each primitive: its item, two nodes at most, a place in the order.
-const BYTES_EACH: usize = size_of::<Item>() + 2 * size_of::<BinaryNode>() + size_of::<u32>();
+/// The bytes that a builder needs for each primitive: its item, and twice (halves and what they are joined to, or a tree and
+/// its layout) two nodes at most and a place in the order.
+const BYTES_EACH: usize = size_of::<Item>() + 2 * (2 * size_of::<BinaryNode>() + size_of::<u32>());
 
 /// Every primitive with its box, in order.
 fn items(primitives: &impl Primitives) -> Vec<Item> {

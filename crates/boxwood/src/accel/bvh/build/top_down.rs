@@ -140,6 +140,11 @@ fn append_pair(tree: &mut BinaryTree, halves: [BinaryTree; 2]) {
         first: node.first + if node.is_leaf() { places } else { children } as u32,
         ..*node
     };
+    // Exactly, because doubling would take more than the builder has asked for.
+    let more: usize = halves.iter().map(|half| half.nodes.len()).sum();
+    tree.nodes.reserve_exact(more);
+    tree.order
+        .reserve_exact(halves[0].order.len() + halves[1].order.len());
     for (half, by) in halves.iter().zip(moves) {
         tree.nodes.push(moved(&half.nodes[0], by));
     }

@@ -123,7 +123,11 @@ impl Caps {
     }
     /// The root's allowance. A few primitives are never short of it.
     fn allowance_of(&self, primitives: usize) -> usize {
-        let budget = if self.budget >= 1.0 { self.budget } else { 1.0 };
+        let budget = if self.budget >= 1.0 {
+            self.budget.min(64.0)
+        } else {
+            1.0
+        };
         ((budget * primitives as f32) as usize)
             .saturating_add(SMALL)
             .clamp(primitives, MAX_WEIGHT.max(primitives))
