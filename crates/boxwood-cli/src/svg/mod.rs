@@ -6,7 +6,7 @@
 
 mod window;
 
-pub use window::{View, Window};
+pub use window::{View, Window, section};
 
 use boxwood_render::inferno_srgb;
 use std::fmt::{Display, Write};
@@ -190,10 +190,33 @@ impl Picture {
     }
 }
 
+/// A part of the paper, given by corner and size: what is drawn in it ends at its edges.
+pub fn clipped([x, y]: [f64; 2], [width, height]: [f64; 2]) -> Element {
+    let numbers = [x, y, width, height].map(number).join(" ");
+    Element::new("svg")
+        .at("x", x)
+        .at("y", y)
+        .at("width", width)
+        .at("height", height)
+        .with("viewBox", numbers)
+}
+
 /// Dark lines and letters.
 pub const INK: &str = "#20242c";
 /// Things in the background.
 pub const PALE: &str = "#b9bec6";
+/// Words of less weight.
+pub const GRAY: &str = "#5a6270";
+/// What lies in a scene.
+pub const BODY: &str = "#e4e7eb";
+/// What is opened.
+pub const BLUE: &str = "#1f77b4";
+/// What waits.
+pub const ORANGE: &str = "#d98e04";
+/// What is passed over, or costs too much.
+pub const RED: &str = "#c0392b";
+/// What is found.
+pub const GREEN: &str = "#1a8a4a";
 
 /// Without digits that nobody can see; numbers that are none are 0.
 fn number(x: f64) -> String {
