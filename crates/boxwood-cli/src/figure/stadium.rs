@@ -3,7 +3,7 @@
 use super::flat::{Flat, asked, each, fan};
 use super::sheet::{INNER, MARGIN, Panel, Sheet, words};
 use crate::failure::Outcome;
-use crate::svg::{BLUE, GREEN, INK, ORANGE, RED, path, rectangle};
+use crate::svg::{BLUE, GREEN, INK, ORANGE, RED, rectangle, rectangles};
 use crate::terminal::grouped;
 use boxwood::{Aabb, Intersect, plane};
 use std::f32::consts::TAU;
@@ -12,7 +12,7 @@ const GAP: f64 = 20.0;
 const SIDE: f64 = 0.5 * (INNER - GAP);
 const TALL: f64 = 190.0;
 /// Pieces of the teapot's outline.
-const PIECES: usize = 240;
+const PIECES: usize = 200;
 const MIDDLE: [f32; 2] = [52.0, 1.1];
 
 pub fn draw() -> Outcome<String> {
@@ -88,25 +88,24 @@ fn view(
     let [[l, b], [r, t]] = close;
     let shown =
         |c: &Aabb| !zoomed || c.lower.x <= r && c.upper.x >= l && c.lower.y <= t && c.upper.y >= b;
-    let mut filled: Vec<[[f64; 2]; 4]> = Vec::new();
-    let mut empty: Vec<[[f64; 2]; 4]> = Vec::new();
+    let mut filled: Vec<[[f64; 2]; 2]> = Vec::new();
+    let mut empty: Vec<[[f64; 2]; 2]> = Vec::new();
     structure.cells(&mut |cell| {
         if !shown(&cell.bounds) {
             return;
         }
-        let [[x, y], [w, h]] = panel.window.rectangle(&cell.bounds);
+        let [corner, size] = panel.window.rectangle(&cell.bounds);
         // Nobody sees less.
-        if w.max(h) < 0.6 {
+        if size[0].max(size[1]) < 0.6 {
             return;
         }
-        let corners = [[x, y], [x + w, y], [x + w, y + h], [x, y + h]];
         match cell.primitives {
-            Some(1..) => filled.push(corners),
-            _ => empty.push(corners),
+            Some(1..) => filled.push([corner, size]),
+            _ => empty.push([corner, size]),
         }
     });
     for (cells, color, opacity) in [(empty, BLUE, 0.0), (filled, ORANGE, 0.25)] {
-        let shape = path(cells.iter().map(|corners| &corners[..]), true);
+        let shape = rectangles(&cells);
         let shape = shape.with("fill", color).with("fill-opacity", opacity);
         panel.add(shape.with("stroke", BLUE).with("stroke-width", 0.35));
     }
