@@ -10,6 +10,7 @@ use crate::svg::{
     BLUE, BODY, Element, GRAY, GREEN, INK, ORANGE, PALE, Picture, RED, View, Window, arrow,
     clipped, dot, group, label, line, path, rectangle,
 };
+use crate::terminal::counted;
 use boxwood::{Aabb, Ray, Vec3};
 
 /// What to draw.
@@ -330,7 +331,10 @@ fn caption(told: &Told, name: &str) -> [String; 2] {
             }
             .to_string(),
         ),
-        What::Leaf { node, primitives } => (format!("leaf {node}"), format!("names {primitives}")),
+        What::Leaf { node, primitives } => (
+            format!("leaf {node}"),
+            format!("names {}", counted(u64::from(*primitives), name)),
+        ),
         What::Test { primitive, hits } => (
             format!("{name} {primitive}"),
             match hits.iter().rfind(|hit| hit.best).or(hits.last()) {

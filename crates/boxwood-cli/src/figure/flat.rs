@@ -1,10 +1,11 @@
 //! Scenes in the plane, with what is asked of them and how they are drawn.
 
+use super::resolution::inverse;
 use super::sheet::Panel;
 use crate::failure::Outcome;
 use crate::svg::{BODY, Element, INK, path};
 use boxwood::geometry::Figure;
-use boxwood::{Intersect, Ray, StructureKind, TraversalStats, Vec3, plane};
+use boxwood::{Intersect, Ray, StructureKind, TraversalStats, TriangleMesh, Vec3, plane};
 use std::f32::consts::TAU;
 
 /// A scene in the plane.
@@ -33,13 +34,34 @@ impl Flat {
                 .segment([3.4, 2.8], [6.0, 4.0])
                 .triangle([[7.0, 0.8], [8.6, 1.4], [7.4, 2.4]])
                 .rectangle([7.2, 6.4], [8.4, 8.0])
-                .circle([9.4, 4.2], 0.8)
+                .circle([9.0, 4.1], 0.8)
                 .segment([10.0, 7.0], [12.0, 8.4])
                 .triangle([[11.0, 1.0], [12.6, 1.2], [12.2, 2.8]])
                 .rectangle([12.4, 4.6], [13.6, 6.0])
                 .circle([14.4, 2.4], 0.7)
                 .circle([14.6, 7.6], 0.8),
         )
+    }
+    /// A dozen triangles, as prisms and, flat in the plane, as a mesh, which knows exactly what it overlaps.
+    pub fn triangles() -> Outcome<(Self, TriangleMesh)> {
+        let all: Vec<[[f32; 2]; 3]> = (1..=12_u32)
+            .map(|k| {
+                let (a, b, c) = (inverse(k, 2), inverse(k, 3), inverse(k, 5));
+                let (x, y) = (2.0 + 12.0 * a, 1.8 + 5.4 * b);
+                let corner = |turn: f32, r: f32| {
+                    let (sin, cos) = (TAU * (turn + c)).sin_cos();
+                    [x + r * cos, y + r * sin]
+                };
+                [corner(0.0, 1.5), corner(0.3, 0.8), corner(0.55, 1.4)]
+            })
+            .collect();
+        let corners = all.iter().flatten().map(|[x, y]| [*x, *y, 0.0]);
+        let count = all.len() as u32;
+        let numbers = (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
+        let mesh = TriangleMesh::new(corners, numbers)?;
+        let scene = plane::Scene::new();
+        let scene = all.into_iter().fold(scene, plane::Scene::triangle);
+        Ok((Self::new(scene)?, mesh))
     }
     /// What is seen of [`Flat::yard`].
     pub const YARD: [[f32; 2]; 2] = [[0.0, 0.2], [16.0, 9.0]];
@@ -113,4 +135,24 @@ pub fn asked(structure: &dyn Intersect, rays: &[Ray]) -> TraversalStats {
 /// A number per ray, to one digit.
 pub fn each(total: u64, rays: &[Ray]) -> String {
     format!("{:.1}", total as f64 / rays.len().max(1) as f64)
+}
+
+/// A straight wall, from end to end.
+pub type Wall = [[f32; 2]; 2];
+
+/// Each wall as one tall triangle: triangles are cut exactly, and BSP trees cut along them. The plane z = 0 cuts all of
+/// it but the last hundredth.
+pub fn tall(walls: &[Wall]) -> Outcome<TriangleMesh> {
+    let corners = walls.iter().flat_map(|[[ax, ay], [bx, by]]| {
+        [
+            Vec3::new(*ax, *ay, -2.0),
+            Vec3::new(*bx, *by, -2.0),
+            Vec3::new(*bx, *by, 320.0),
+        ]
+    });
+    let count = walls.len() as u32;
+    Ok(TriangleMesh::new(
+        corners.map(Vec3::to_array),
+        (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]),
+    )?)
 }

@@ -6,26 +6,28 @@ use crate::failure::Outcome;
 use crate::svg::{BLUE, GREEN, INK, ORANGE, PALE, dot};
 use crate::terminal::counted;
 use boxwood::inspect::Event;
-use boxwood::{Aabb, Step};
+use boxwood::{Aabb, Step, StructureKind};
 use std::collections::HashMap;
 
 /// Nine cells for each thing: what 27 are in space.
 pub const KIND: &str = "grid:c=9,axes=xy";
 
 pub fn build() -> Outcome<String> {
-    let flat = Flat::yard()?;
-    let grid = flat.build(KIND)?;
+    let (flat, mesh) = Flat::triangles()?;
+    let grid = KIND.parse::<StructureKind>()?.build(&mesh);
+    // Prisms are listed by their bounding boxes.
+    let by_boxes = flat.build(KIND)?.statistics().references;
     let mut cells = 0_u64;
     grid.cells(&mut |_| cells += 1);
     let numbers = grid.statistics();
     let mut sheet = Sheet::new(
         "Building a uniform grid",
         format!(
-            "{} in {cells} equal cells: every object is listed in each cell that it really overlaps (not each that its bounding \
-             box does), which makes {} in {} that are not empty.",
-            counted(numbers.primitives as u64, "object"),
-            counted(numbers.references as u64, "entry").replace("entrys", "entries"),
-            counted(numbers.leaves as u64, "cell"),
+            "{} in {cells} equal cells: each is listed in the cells that it really overlaps, {} entries in {} cells; by their \
+             bounding boxes there would be {by_boxes}.",
+            counted(numbers.primitives as u64, "triangle"),
+            numbers.references,
+            numbers.leaves,
         ),
     );
     let mut panel = yard_panel(&sheet);
@@ -138,7 +140,7 @@ pub fn walk() -> Outcome<String> {
     }
     sheet.below += TALL + 20.0;
     sheet.add(panel.finish());
-    let mut note = "Numbers: the order of the visit. Dark cells list objects, light ones are empty; the green one holds the hit.".to_string();
+    let mut note = "Numbers: the order of the visit. Dark: cells that list objects, by their bounding boxes. Green: the hit.".to_string();
     if !bricks.is_empty() {
         note += &format!(
             " Dashed: {} of 4 × 4 empty cells, passed with one look.",

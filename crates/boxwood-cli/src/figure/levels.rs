@@ -27,16 +27,15 @@ pub fn kd() -> Outcome<String> {
     let sheet = Sheet::new(
         "Building a kd-tree",
         format!(
-            "Each cell is cut where the surface-area heuristic is cheapest, first to cut off empty space, until it pays no more: \
+            "Each cell is cut where the surface-area heuristic is cheapest, with a bonus for cutting off empty space, until it no longer pays: \
              the {} tile the scene and name its {} objects {} times.",
             counted(numbers.leaves as u64, "leaf"),
             numbers.primitives,
             numbers.references,
         ),
     );
-    let tell = |_: u32, inner: u64, leaves: u64| {
-        format!("{}, {}", counted(inner, "cut"), counted(leaves, "cell"))
-    };
+    let tell =
+        |inner: u64, leaves: u64| format!("{}, {}", counted(inner, "cut"), counted(leaves, "cell"));
     Ok(frames(sheet, &flat, &*tree, false, &tell))
 }
 
@@ -53,12 +52,8 @@ pub fn bvh() -> Outcome<String> {
             numbers.references,
         ),
     );
-    let tell = |_: u32, inner: u64, boxes: u64| {
-        format!(
-            "{} divided, {} around objects",
-            inner,
-            counted(boxes, "box")
-        )
+    let tell = |inner: u64, boxes: u64| {
+        format!("{}, {}", counted(inner, "division"), counted(boxes, "box"))
     };
     Ok(frames(sheet, &flat, &*tree, true, &tell))
 }
@@ -69,7 +64,7 @@ fn frames(
     flat: &Flat,
     tree: &dyn Intersect,
     parents: bool,
-    tell: &dyn Fn(u32, u64, u64) -> String,
+    tell: &dyn Fn(u64, u64) -> String,
 ) -> String {
     let mut nodes: Vec<Node> = Vec::new();
     tree.cells(&mut |cell| nodes.push((cell.depth, cell.bounds, cell.primitives)));
@@ -110,7 +105,7 @@ fn frames(
         sheet.add(panel.finish());
         sheet.add(words(
             [x, y + TALL + 18.0],
-            format!("{level}. {}", tell(level, inner, leaves)),
+            format!("{level}. {}", tell(inner, leaves)),
         ));
     }
     let rows = (deepest as usize + 1).div_ceil(COLUMNS);

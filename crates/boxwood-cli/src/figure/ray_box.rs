@@ -18,28 +18,41 @@ pub fn draw() -> Outcome<String> {
     );
     let b = Aabb::new([2.0, 1.0, -1.0], [4.0, 3.0, 1.0]);
     let flat = Aabb::new([3.0, 0.5, -1.0], [3.0, 3.5, 1.0]);
-    let cases: [(&str, Aabb, Ray); 6] = [
-        ("From outside", b, plane::ray([0.3, 1.2], [1.0, 0.3])),
+    let cases: [(&str, Aabb, Ray, f32); 6] = [
+        ("From outside", b, plane::ray([0.3, 1.2], [1.0, 0.3]), 5.0),
         (
             "From inside: t begins at 0",
             b,
             plane::ray([2.8, 1.6], [1.0, 0.3]),
+            2.6,
         ),
         (
             "Behind: the box ends before t = 0",
             b,
             plane::ray([4.6, 2.2], [1.0, 0.2]),
+            1.1,
         ),
-        ("Passed: no common t", b, plane::ray([0.4, 2.2], [1.0, 0.7])),
-        ("A corner touched", b, plane::ray([1.0, 2.0], [1.0, -1.0])),
+        (
+            "Passed: no common t",
+            b,
+            plane::ray([0.4, 2.2], [1.0, 0.7]),
+            2.3,
+        ),
+        (
+            "A corner touched",
+            b,
+            plane::ray([1.0, 2.0], [1.0, -1.0]),
+            1.8,
+        ),
         (
             "A flat box: a wall along an axis",
             flat,
             plane::ray([0.5, 1.2], [1.0, 0.4]),
+            5.0,
         ),
     ];
     let top = sheet.below;
-    for (k, (name, b, ray)) in cases.into_iter().enumerate() {
+    for (k, (name, b, ray, end)) in cases.into_iter().enumerate() {
         let x = MARGIN + (k % 3) as f64 * (SIDE + GAP);
         let y = top + (k / 3) as f64 * (TALL + BARS + 76.0);
         sheet.add(words([x, y + 12.0], name).with("font-weight", "bold"));
@@ -65,7 +78,7 @@ pub fn draw() -> Outcome<String> {
                 .with("stroke", BLUE)
                 .with("stroke-width", 2),
         );
-        panel.ray(&ray, 2.6);
+        panel.ray(&ray, end);
         if let Some((enter, leave)) = met {
             for t in [enter, leave] {
                 let place = panel.window.place(ray.at(t));

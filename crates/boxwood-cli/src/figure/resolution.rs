@@ -54,7 +54,6 @@ pub fn draw() -> Outcome<String> {
                 .with("stroke", BLUE)
                 .with("stroke-width", if cells > 2000 { 0.25 } else { 0.8 }),
         );
-        panel.ray(&plane::ray([0.2, 0.3], [1.0, 0.62]), 1.0);
         sheet.add(
             words(
                 [x, top + 14.0],
@@ -90,7 +89,7 @@ pub fn draw() -> Outcome<String> {
 }
 
 /// The distinct lines of a grid, each once, from the corners of its cells.
-fn lines(cells: &[[[f64; 2]; 3]]) -> Vec<[[f64; 2]; 2]> {
+pub fn lines(cells: &[[[f64; 2]; 3]]) -> Vec<[[f64; 2]; 2]> {
     let (mut xs, mut ys) = (Vec::new(), Vec::new());
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for [a, b, c] in cells {
@@ -114,7 +113,7 @@ fn confetti() -> plane::Scene {
     for k in 0..THINGS * THINGS {
         let [a, b, c] = [2, 3, 5].map(|base| inverse(k + 1, base));
         let (x, y, r) = (0.3 + 11.4 * a, 0.3 + 11.4 * b, 0.04 + 0.1 * c);
-        scene = match k % 3 {
+        scene = match k / 5 % 3 {
             0 => scene.circle([x, y], r),
             1 => scene.triangle([[x - r, y - r], [x + 1.2 * r, y - 0.6 * r], [x, y + r]]),
             _ => scene.segment([x - 2.0 * r, y - r], [x + 2.0 * r, y + r]),

@@ -12,7 +12,7 @@ pub const MARGIN: f64 = 24.0;
 /// What panels and writing may take.
 pub const INNER: f64 = WIDTH - 2.0 * MARGIN;
 /// Letters in a line of the sentence.
-const LETTERS: usize = 122;
+const LETTERS: usize = 112;
 const LINE: f64 = 19.0;
 
 /// A sheet that grows downwards.

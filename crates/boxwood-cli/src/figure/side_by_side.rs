@@ -1,11 +1,11 @@
 //! One scene of walls, divided by an octree (in the plane a quadtree), a kd-tree and a BSP tree.
 
-use super::flat::{asked, each, fan};
+use super::flat::{Wall, asked, each, fan, tall};
 use super::resolution::inverse;
 use super::sheet::{INNER, MARGIN, Panel, Sheet, words};
 use crate::failure::Outcome;
 use crate::svg::{INK, color, path, section};
-use boxwood::{Intersect, StructureKind, TriangleMesh, Vec3};
+use boxwood::{Intersect, StructureKind};
 use std::f32::consts::TAU;
 
 const GAP: f64 = 18.0;
@@ -18,7 +18,7 @@ pub fn draw() -> Outcome<String> {
         "Octree, kd-tree and BSP tree side by side",
         format!(
             "The same {} walls: a quadtree (an octree in the plane) halves both axes, a kd-tree cuts across one axis anywhere, a \
-             BSP tree cuts in any direction and can follow a wall.",
+             BSP tree cuts in any direction where that pays.",
             walls.len()
         ),
     );
@@ -116,7 +116,7 @@ fn around(mut corners: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 }
 
 /// Two slanted houses and some short walls.
-fn walls() -> Vec<[[f32; 2]; 2]> {
+fn walls() -> Vec<Wall> {
     let mut walls = Vec::new();
     for (middle, size, turn) in [
         ([3.0, 6.8], [1.9, 1.2], 0.07_f32),
@@ -138,35 +138,12 @@ fn walls() -> Vec<[[f32; 2]; 2]> {
     for k in 1..=8_u32 {
         let (a, turn) = (inverse(k, 2), inverse(k, 3));
         let (sin, cos) = (TAU * turn).sin_cos();
-        let [x, y] = [
-            0.8 + 8.4 * a,
-            if k % 2 == 0 {
-                0.9 + 0.5 * turn
-            } else {
-                8.6 + 0.5 * turn
-            },
-        ];
+        let edge = if k % 2 == 0 { 0.9 } else { 8.6 };
+        let [x, y] = [0.8 + 8.4 * a, edge + 0.5 * turn];
         walls.push([
             [x - 0.5 * cos, y - 0.5 * sin],
             [x + 0.5 * cos, y + 0.5 * sin],
         ]);
     }
     walls
-}
-
-/// Each wall as one tall triangle: BSP trees want triangles, whose planes they may cut along. The plane z = 0 cuts all of
-/// it but the last hundredth.
-fn tall(walls: &[[[f32; 2]; 2]]) -> Outcome<TriangleMesh> {
-    let corners = walls.iter().flat_map(|[[ax, ay], [bx, by]]| {
-        [
-            Vec3::new(*ax, *ay, -2.0),
-            Vec3::new(*bx, *by, -2.0),
-            Vec3::new(*bx, *by, 320.0),
-        ]
-    });
-    let count = walls.len() as u32;
-    Ok(TriangleMesh::new(
-        corners.map(Vec3::to_array),
-        (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]),
-    )?)
 }

@@ -11,13 +11,13 @@ const SIDE: f64 = 0.5 * (INNER - GAP);
 pub fn draw() -> Outcome<String> {
     let mut sheet = Sheet::new(
         "Slabs and their intervals",
-        "Two parallel planes are a slab. A ray is in a slab from t to t; it is in the box while it is in both slabs, so the box \
+        "Two parallel planes are a slab. A ray is in each slab for an interval of t; it is in the box while it is in both slabs, so the box \
          is entered at the last entry and left at the first exit.",
     );
     let b = Aabb::new([3.0, 2.0, -1.0], [6.0, 4.0, 1.0]);
     let top = sheet.below;
     for (k, (ray, word)) in [
-        (plane::ray([0.5, 0.6], [1.0, 0.55]), "The intervals overlap"),
+        (plane::ray([0.5, 1.0], [1.0, 0.45]), "The intervals overlap"),
         (plane::ray([0.5, 2.4], [1.0, 0.75]), "They do not"),
     ]
     .into_iter()
@@ -126,7 +126,7 @@ pub fn bars(b: &Aabb, ray: &Ray, [x, y]: [f64; 2], width: f64, most: f64) -> Ele
                 let wide = (at(leave) - at(enter)).max(3.0);
                 drawn.add(rectangle([at(enter), y + 2.0], [wide, 11.0]).with("fill", color));
             }
-            None => drawn.add(words([left, y + 12.0], "empty").with("fill", color)),
+            None => drawn.add(words([at(0.0) + 6.0, y + 12.0], "empty").with("fill", color)),
         }
     };
     bar(0, "in x", BLUE, interval(b, ray, 0));

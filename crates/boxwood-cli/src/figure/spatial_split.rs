@@ -1,6 +1,6 @@
 //! Sorting objects into two boxes against cutting space in two, and the trees that come of it.
 
-use super::flat::{Flat, asked, each, fan};
+use super::flat::{Flat, Wall, asked, each, fan, tall};
 use super::resolution::inverse;
 use super::sheet::{INNER, MARGIN, Panel, Sheet, words};
 use crate::failure::Outcome;
@@ -12,20 +12,23 @@ const SIDE: f64 = 0.5 * (INNER - GAP);
 const TALL: f64 = SIDE * 0.62;
 
 pub fn draw() -> Outcome<String> {
-    let flat = Flat::new(sticks())?;
+    let sticks = sticks();
+    let mesh = tall(&sticks)?;
+    let drawn = |scene: plane::Scene, [from, to]: &Wall| scene.segment(*from, *to);
+    let flat = Flat::new(sticks.iter().fold(plane::Scene::new(), drawn))?;
     let objects = SweepSah {
         axes: Axes::XY,
         max_leaf: 2,
         ..SweepSah::default()
     }
-    .build(&flat.prisms);
+    .build(&mesh);
     let spatial = SpatialSplit {
         axes: Axes::XY,
         max_leaf: 2,
         budget: 2.0,
         ..SpatialSplit::default()
     }
-    .build(&flat.prisms);
+    .build(&mesh);
     let mut sheet = Sheet::new(
         "Spatial splits against object partition",
         "Long slanted objects have large boxes. Sorting them into two groups leaves boxes that overlap; cutting space, and the \
@@ -91,7 +94,7 @@ pub fn draw() -> Outcome<String> {
             };
             sheet.add(words([x, y + TALL + 18.0], text).with("fill", RED));
         }
-        let bvh = Bvh::new(&flat.prisms, tree.clone());
+        let bvh = Bvh::new(&mesh, tree.clone());
         let stats = asked(&bvh, &rays);
         let text = format!(
             "{} references to {} objects; per ray {} nodes, {} tests",
@@ -122,12 +125,21 @@ fn flat_area(b: &Aabb) -> f32 {
     size.x * size.y
 }
 
-/// Long sticks, most of them slanted.
-fn sticks() -> plane::Scene {
-    (1..=14_u32).fold(plane::Scene::new(), |scene, k| {
-        let (a, b, c) = (inverse(k, 2), inverse(k, 3), inverse(k, 5));
-        let (x, y) = (3.0 + 10.0 * a, 2.4 + 5.2 * b);
-        let (dx, dy) = (1.6 + 1.2 * c, if k % 3 == 0 { -1.5 } else { 1.6 + 0.8 * a });
-        scene.segment([x - dx, y - dy], [x + dx, y + dy])
-    })
+/// Many short sticks, and a few that cross everything.
+fn sticks() -> Vec<Wall> {
+    let mut sticks = vec![
+        [[0.2, 0.6], [15.6, 9.2]],
+        [[0.6, 9.4], [15.0, 1.4]],
+        [[1.0, 4.4], [15.8, 6.6]],
+    ];
+    sticks.extend((1..=24_u32).map(|k| {
+        let (x, y, c) = (
+            0.8 + 14.4 * inverse(k, 2),
+            0.8 + 8.4 * inverse(k, 3),
+            inverse(k, 5),
+        );
+        let (dx, dy) = (0.3 + 0.3 * c, if k % 2 == 0 { -0.4 } else { 0.5 });
+        [[x - dx, y - dy], [x + dx, y + dy]]
+    }));
+    sticks
 }

@@ -1,9 +1,10 @@
 //! The teapot in the stadium, in the plane: a detailed small thing in a large place.
 
 use super::flat::{Flat, asked, each, fan};
+use super::resolution::lines;
 use super::sheet::{INNER, MARGIN, Panel, Sheet, words};
 use crate::failure::Outcome;
-use crate::svg::{BLUE, GREEN, INK, ORANGE, RED, rectangle, rectangles};
+use crate::svg::{BLUE, GREEN, INK, ORANGE, RED, path, rectangle, rectangles};
 use crate::terminal::grouped;
 use boxwood::{Aabb, Intersect, plane};
 use std::f32::consts::TAU;
@@ -12,7 +13,7 @@ const GAP: f64 = 20.0;
 const SIDE: f64 = 0.5 * (INNER - GAP);
 const TALL: f64 = 190.0;
 /// Pieces of the teapot's outline.
-const PIECES: usize = 200;
+const PIECES: usize = 400;
 const MIDDLE: [f32; 2] = [52.0, 1.1];
 
 pub fn draw() -> Outcome<String> {
@@ -52,7 +53,7 @@ pub fn draw() -> Outcome<String> {
         let close = [[MIDDLE[0] - 3.0, -0.4], [MIDDLE[0] + 3.0, 5.6]];
         let near = Panel::new(close, [x + SIDE - TALL, y + 22.0], [TALL, TALL]);
         for (panel, zoomed) in [(whole, false), (near, true)] {
-            sheet.add(view(&flat, &*structure, panel, zoomed, close));
+            sheet.add(view(&flat, &*structure, panel, [zoomed, k == 0], close));
         }
         let numbers = structure.statistics();
         sheet.add(
@@ -82,7 +83,7 @@ fn view(
     flat: &Flat,
     structure: &dyn Intersect,
     mut panel: Panel,
-    zoomed: bool,
+    [zoomed, uniform]: [bool; 2],
     close: [[f32; 2]; 2],
 ) -> crate::svg::Element {
     let [[l, b], [r, t]] = close;
@@ -90,13 +91,16 @@ fn view(
         |c: &Aabb| !zoomed || c.lower.x <= r && c.upper.x >= l && c.lower.y <= t && c.upper.y >= b;
     let mut filled: Vec<[[f64; 2]; 2]> = Vec::new();
     let mut empty: Vec<[[f64; 2]; 2]> = Vec::new();
+    let mut corners: Vec<[[f64; 2]; 3]> = Vec::new();
     structure.cells(&mut |cell| {
         if !shown(&cell.bounds) {
             return;
         }
         let [corner, size] = panel.window.rectangle(&cell.bounds);
+        let [[x, y], [w, h]] = [corner, size];
+        corners.push([[x + w, y], [x, y], [x, y + h]]);
         // Nobody sees less.
-        if size[0].max(size[1]) < 0.6 {
+        if size[0].max(size[1]) < 2.0 {
             return;
         }
         match cell.primitives {
@@ -104,13 +108,23 @@ fn view(
             _ => empty.push([corner, size]),
         }
     });
+    // Cells that lie in rows and columns are drawn as such.
+    if uniform {
+        let grid = lines(&corners);
+        let grid = path(grid.iter().map(|run| &run[..]), false).with("fill", "none");
+        panel.add(grid.with("stroke", BLUE).with("stroke-width", 0.35));
+        empty.clear();
+    }
     for (cells, color, opacity) in [(empty, BLUE, 0.0), (filled, ORANGE, 0.25)] {
         let shape = rectangles(&cells);
         let shape = shape.with("fill", color).with("fill-opacity", opacity);
         panel.add(shape.with("stroke", BLUE).with("stroke-width", 0.35));
     }
     let count = flat.scene.figures().len();
-    let lines = flat.draw(&panel, 0..count);
+    // From afar some of the teapot's pieces will do.
+    let step = if zoomed { 1 } else { 12 };
+    let pieces = (count - PIECES..count).step_by(step);
+    let lines = flat.draw(&panel, (0..count - PIECES).chain(pieces));
     panel.add(lines.with("fill", "none").with("stroke", INK));
     if !zoomed {
         let [p, q] = [close[0], close[1]].map(|p| panel.place(p));

@@ -123,6 +123,14 @@ pub fn is_svg(text: &str) -> bool {
         let Some((tag, _)) = tag.split_once('>') else {
             return false;
         };
+        let mut attributes: Vec<&str> = tag.split('"').step_by(2).collect();
+        attributes.retain(|name| name.ends_with('='));
+        let count = attributes.len();
+        attributes[usize::from(count > 0)..].sort_unstable();
+        attributes[usize::from(count > 0)..].dedup();
+        if attributes.len() < count {
+            return false;
+        }
         let name = |tag: &str| tag.split_whitespace().next().unwrap_or("").to_string();
         if let Some(closed) = tag.strip_prefix('/') {
             if open.pop() != Some(closed.to_string()) {
