@@ -13,7 +13,7 @@ const GAP: f64 = 20.0;
 const SIDE: f64 = 0.5 * (INNER - GAP);
 const TALL: f64 = 190.0;
 /// Pieces of the teapot's outline.
-const PIECES: usize = 400;
+const PIECES: usize = 320;
 const MIDDLE: [f32; 2] = [52.0, 1.1];
 
 pub fn draw() -> Outcome<String> {

@@ -123,11 +123,14 @@ pub fn is_svg(text: &str) -> bool {
         let Some((tag, _)) = tag.split_once('>') else {
             return false;
         };
-        let mut attributes: Vec<&str> = tag.split('"').step_by(2).collect();
-        attributes.retain(|name| name.ends_with('='));
+        // The first part holds the element's name, too.
+        let parts = tag.split('"').step_by(2);
+        let mut attributes: Vec<&str> = parts
+            .filter_map(|part| part.split_whitespace().last()?.strip_suffix('='))
+            .collect();
         let count = attributes.len();
-        attributes[usize::from(count > 0)..].sort_unstable();
-        attributes[usize::from(count > 0)..].dedup();
+        attributes.sort_unstable();
+        attributes.dedup();
         if attributes.len() < count {
             return false;
         }
