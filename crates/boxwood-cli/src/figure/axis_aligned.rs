@@ -23,16 +23,21 @@ thread_local! {
 #[derive(Clone, Copy)]
 struct Counting(f32);
 
+/// One more of a kind.
+fn tick(kind: fn(&mut Done) -> &mut u32) {
+    DONE.with(|done| {
+        let mut now = done.get();
+        *kind(&mut now) += 1;
+        done.set(now);
+    });
+}
+
 macro_rules! counting {
     ($($operator:ident $method:ident $count:ident $sign:tt,)*) => {
         $(impl $operator for Counting {
             type Output = Self;
             fn $method(self, other: Self) -> Self {
-                DONE.with(|done| {
-                    let mut now = done.get();
-                    now.$count += 1;
-                    done.set(now);
-                });
+                tick(|done| &mut done.$count);
                 Self(self.0 $sign other.0)
             }
         })*
