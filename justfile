@@ -21,3 +21,4 @@ fuzz seconds="600":
 # The pictures of the gallery that need no files.
 gallery:
     cargo run --release -- render -o gallery/teapot-in-stadium.png
+    cargo run --release -- figure --all --dir gallery/figures

@@ -3,6 +3,7 @@
 //! Values are checked here, so that a wrong one is a usage error (exit code 2) before anything is read.
 
 mod compare;
+mod figure;
 mod looking;
 mod values;
 
@@ -17,6 +18,7 @@ use std::path::PathBuf;
 use values::{Size, Vector, fov};
 
 pub use compare::CompareArgs;
+pub use figure::FigureArgs;
 pub use looking::{ExplainArgs, InspectArgs};
 pub use values::{Axis, Levels, Place, Slice, join_vectors};
 
@@ -45,6 +47,7 @@ Examples:
   boxwood inspect bunny.ply --svg boxes.svg    Look into a structure
   boxwood explain bunny.ply --pixel 640,360    Follow one ray, step by step
   boxwood compare bunny.ply --views --html bunny.html
+  boxwood figure kd-traversal                  Draw how it works
 
 `boxwood help COMMAND` says more about each."
 )]
@@ -61,6 +64,7 @@ pub enum Verb {
     Inspect(InspectArgs),
     Explain(Box<ExplainArgs>),
     Compare(Box<CompareArgs>),
+    Figure(FigureArgs),
     Completions(CompletionsArgs),
     Man(ManArgs),
 }

@@ -1,7 +1,7 @@
 //! The `boxwood` command: render, inspect and query real scenes, compare structures.
 //!
 //! *How it is laid out.* `args` says what the command line may say; each verb has a file or a folder (`render`, `info`, `cast`,
-//! `compare`, `inspect`, `explain`, `shell`); `scene_file` finds the scene and `camera` its viewer, `output` writes files whole or
+//! `compare`, `inspect`, `explain`, `figure`, `shell`); `scene_file` finds the scene and `camera` its viewer, `output` writes files whole or
 //! not at all, `npy` speaks NumPy, `svg` draws, `terminal` and `progress` speak to people.
 //!
 //! *What can be relied on.* Exit code 0 for success, 1 for bad input or a refusal of the system, with one sentence on
@@ -14,6 +14,7 @@ mod cast;
 mod compare;
 mod explain;
 mod failure;
+mod figure;
 mod info;
 mod inspect;
 mod npy;
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
         Verb::Inspect(args) => inspect::run(args),
         Verb::Explain(args) => explain::run(args),
         Verb::Compare(args) => compare::run(args),
+        Verb::Figure(args) => figure::run(args),
         Verb::Completions(args) => shell::completions(args),
         Verb::Man(args) => shell::man(args),
     };

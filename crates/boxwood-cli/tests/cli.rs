@@ -8,6 +8,8 @@ mod cast;
 mod compare;
 #[path = "cli/explain.rs"]
 mod explain;
+#[path = "cli/figure.rs"]
+mod figure;
 #[path = "cli/info.rs"]
 mod info;
 #[path = "cli/inspect.rs"]

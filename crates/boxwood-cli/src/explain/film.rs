@@ -7,10 +7,11 @@ use super::story::{ASIDE, OPENED, Story, Told, What};
 use super::text::short;
 use crate::args::Axis;
 use crate::svg::{
-    Element, INK, PALE, Picture, View, Window, arrow, dot, group, label, line, path, rectangle,
+    BLUE, BODY, Element, GRAY, GREEN, INK, ORANGE, PALE, Picture, RED, View, Window, arrow,
+    clipped, dot, group, label, line, path, rectangle,
 };
-use boxwood::{Aabb, Ray, TriangleMesh, Vec3};
-use std::collections::HashMap;
+use crate::terminal::counted;
+use boxwood::{Aabb, Ray, Vec3};
 
 /// What to draw.
 pub struct Plan<'a> {
@@ -19,9 +20,19 @@ pub struct Plan<'a> {
     pub axis: Option<Axis>,
     /// At most so many.
     pub frames: usize,
-    pub mesh: &'a TriangleMesh,
+    pub scene: Outlines<'a>,
     /// Around the whole scene.
     pub bounds: Aabb,
+}
+
+/// What a scene is made of, to be drawn.
+#[derive(Clone, Copy)]
+pub struct Outlines<'a> {
+    /// What one of them is called.
+    pub name: &'static str,
+    pub count: usize,
+    /// The corners of one of them.
+    pub of: &'a dyn Fn(usize) -> Vec<Vec3>,
 }
 
 /// The longer side of a frame's picture.
@@ -32,82 +43,95 @@ const GAP: f64 = 16.0;
 const CAPTION: f64 = 40.0;
 const HEAD: f64 = 64.0;
 /// Outlines of the scene.
-const MOST_TRIANGLES: usize = 1500;
-
-const OPEN_COLOR: &str = "#1f77b4";
-const WAIT_COLOR: &str = "#d98e04";
-const REJECT_COLOR: &str = "#c0392b";
-const HIT_COLOR: &str = "#1a8a4a";
+const MOST_OUTLINES: usize = 1500;
 
 /// The strip as SVG.
 pub fn draw(plan: &Plan<'_>, story: &Story) -> String {
-    let size = plan.ray.direction.abs();
-    let least = (0..3).fold(
-        2,
-        |best, axis| if size[axis] < size[best] { axis } else { best },
-    );
-    let axis = plan.axis.unwrap_or(Axis(least));
-    let view = View::along(axis.0);
-    let end = story.steps.last().map_or(plan.ray.t_max, |told| told.t_max);
-    let bounds = seen(plan, end);
-    let shape = Window::new(view, &bounds, [0.0; 2], [SIDE; 2]).rectangle(&bounds)[1];
-    let shape = shape.map(|x| x.clamp(0.25 * SIDE, SIDE));
-
-    let shown = story.steps.len().min(plan.frames);
-    let columns = shown.clamp(1, COLUMNS);
-    let rows = shown.div_ceil(columns).max(1);
-    let [wide, tall] = [SIDE.max(shape[0]) + GAP, shape[1] + CAPTION + GAP];
-    let mut picture = Picture::new([
-        (columns as f64 * wide + GAP).max(640.0),
-        HEAD + rows as f64 * tall + GAP,
-    ]);
+    let (frames, [width, height]) = strip(plan, story, [GAP, HEAD], COLUMNS, SIDE);
+    let mut picture = Picture::new([(width + 2.0 * GAP).max(640.0), HEAD + height + 2.0 * GAP]);
     picture.add(
         label([GAP, 26.0], &plan.title)
             .with("font-size", 16)
             .with("fill", INK),
     );
-    let [right, up] = view.letters();
+    let axis = axis_of(plan);
+    let [right, up] = View::along(axis.0).letters();
     let mut note = format!(
         "{right} to the right, {up} {}; what seems to be met may lie before or behind the ray along {}",
         if axis.0 == 1 { "down" } else { "up" },
         axis.letter()
     );
+    let shown = story.steps.len().min(plan.frames);
     if shown < story.steps.len() {
         note += &format!(
             "; the first {shown} of {} steps, --frames shows more",
             story.steps.len()
         );
     }
-    picture.add(label([GAP, 46.0], note).with("fill", "#5a6270"));
-    picture.add(legend(picture.size()[0]));
+    picture.add(label([GAP, 46.0], note).with("fill", GRAY));
+    picture.add(legend([picture.size()[0] - 330.0, 17.0]));
+    picture.add(frames);
+    picture.finish()
+}
 
+/// The axis that is looked along.
+fn axis_of(plan: &Plan<'_>) -> Axis {
+    let size = plan.ray.direction.abs();
+    let least = (0..3).fold(
+        2,
+        |best, axis| if size[axis] < size[best] { axis } else { best },
+    );
+    plan.axis.unwrap_or(Axis(least))
+}
+
+/// The frames alone, from a corner on, and the size of all together. `side` is the longer side of a frame's picture.
+pub fn strip(
+    plan: &Plan<'_>,
+    story: &Story,
+    [x, y]: [f64; 2],
+    columns: usize,
+    side: f64,
+) -> (Element, [f64; 2]) {
+    let view = View::along(axis_of(plan).0);
+    let end = story.steps.last().map_or(plan.ray.t_max, |told| told.t_max);
+    let bounds = seen(plan, end);
+    let shape = Window::new(view, &bounds, [0.0; 2], [side; 2]).rectangle(&bounds)[1];
+    let shape = shape.map(|x| x.clamp(0.25 * side, side));
     let strip = Strip {
         plan,
         view,
         bounds,
         shape,
     };
+
+    let shown = story.steps.len().min(plan.frames);
+    let columns = shown.clamp(1, columns);
+    let rows = shown.div_ceil(columns).max(1);
+    let [wide, tall] = [side + GAP, shape[1] + CAPTION + GAP];
+    let mut frames = group();
     let mut open: Vec<Aabb> = Vec::new();
-    let mut boxes: HashMap<u32, Aabb> = HashMap::new();
+    let mut boxes = story.places.clone();
     for (k, told) in story.steps.iter().take(shown).enumerate() {
         let corner = [
-            GAP + (k % columns) as f64 * wide,
-            HEAD + (k / columns) as f64 * tall,
+            x + (k % columns) as f64 * wide,
+            y + (k / columns) as f64 * tall,
         ];
         if let (Some(bounds), Some(node)) = (told.what.bounds(), told.what.node()) {
             boxes.insert(node, bounds);
         }
         let current = told.what.node().and_then(|node| boxes.get(&node)).copied();
-        picture.add(strip.frame(told, current, &open, corner));
+        frames.add(strip.frame(told, current, &open, corner));
         match told.what {
             What::Box {
                 verdict: OPENED, ..
             }
+            | What::Plane { .. }
             | What::Resumed { dropped: false, .. } => open.extend(current),
             _ => {}
         }
     }
-    picture.finish()
+    let size = [columns as f64 * wide - GAP, rows as f64 * tall - GAP];
+    (frames, size)
 }
 
 /// The part of space that the frames show: the scene, and where the ray comes from if that is not far; or the neighbourhood
@@ -148,20 +172,11 @@ impl Strip<'_> {
         [x, y]: [f64; 2],
     ) -> Element {
         let window = Window::new(self.view, &self.bounds, [x, y], self.shape);
-        // What a window does not show ends at its frame.
-        let mut inside = Element::new("svg")
-            .at("x", x)
-            .at("y", y)
-            .at("width", self.shape[0])
-            .at("height", self.shape[1])
-            .with(
-                "viewBox",
-                format!("{x} {y} {} {}", self.shape[0], self.shape[1]),
-            );
+        let mut inside = clipped([x, y], self.shape);
         inside.add(self.scene(&window));
         let mut outlines = group()
             .with("fill", "none")
-            .with("stroke", OPEN_COLOR)
+            .with("stroke", BLUE)
             .with("stroke-width", 0.6);
         for b in open {
             let [corner, size] = window.rectangle(b);
@@ -180,12 +195,20 @@ impl Strip<'_> {
             }
             inside.add(shape);
         }
+        if let (What::Plane { normal, offset, .. }, Some(b)) = (&told.what, current)
+            && let Some(axis) = (0..3).find(|&axis| normal[axis] == 1.0 && self.view.shows(axis))
+        {
+            let mut ends = [b.lower, b.upper];
+            ends.iter_mut().for_each(|end| end[axis] = *offset);
+            let [from, to] = ends.map(|end| window.place(end));
+            inside.add(
+                line(from, to)
+                    .with("stroke", color)
+                    .with("stroke-width", 2.2),
+            );
+        }
         if let What::Test { primitive, .. } | What::Repeated { primitive } = told.what {
-            let corners = self
-                .plan
-                .mesh
-                .triangle(primitive as usize)
-                .map(|p| window.place(p));
+            let corners = self.outline(primitive as usize, &window);
             let shape = path([&corners[..]], true)
                 .with("fill", color)
                 .with("fill-opacity", 0.45);
@@ -199,24 +222,28 @@ impl Strip<'_> {
             .with("fill", "none")
             .with("stroke", PALE);
         frame.add(border);
-        let [first, second] = caption(told);
+        let [first, second] = caption(told, self.plan.scene.name);
         let below = y + self.shape[1];
         frame.add(label([x, below + 15.0], first).with("fill", INK));
         frame.add(label([x, below + 30.0], second).with("fill", color));
         frame
     }
 
-    /// Outlines of some of the triangles.
+    fn outline(&self, i: usize, window: &Window) -> Vec<[f64; 2]> {
+        let corners = (self.plan.scene.of)(i);
+        corners.into_iter().map(|p| window.place(p)).collect()
+    }
+
+    /// Outlines of some of what there is.
     fn scene(&self, window: &Window) -> Element {
-        let mesh = self.plan.mesh;
-        let count = mesh.triangles().len();
-        let step = count.div_ceil(MOST_TRIANGLES).max(1);
-        let some: Vec<[[f64; 2]; 3]> = (0..count)
+        let count = self.plan.scene.count;
+        let step = count.div_ceil(MOST_OUTLINES).max(1);
+        let some: Vec<Vec<[f64; 2]>> = (0..count)
             .step_by(step)
-            .map(|i| mesh.triangle(i).map(|p| window.place(p)))
+            .map(|i| self.outline(i, window))
             .collect();
         path(some.iter().map(|corners| &corners[..]), true)
-            .with("fill", "#e4e7eb")
+            .with("fill", BODY)
             .with("fill-opacity", 0.5)
             .with("stroke", PALE)
             .with("stroke-width", 0.4)
@@ -246,7 +273,7 @@ impl Strip<'_> {
         drawn.add(shaft.with("stroke-width", 1.3));
         drawn.add(dot(from, 2.2).with("stroke", "none"));
         if told.t_max < ray.end() {
-            drawn.add(dot(to, 3.2).with("stroke", "none").with("fill", HIT_COLOR));
+            drawn.add(dot(to, 3.2).with("stroke", "none").with("fill", GREEN));
         }
         drawn
     }
@@ -258,16 +285,16 @@ fn color_of(told: &Told) -> &'static str {
             verdict: OPENED, ..
         }
         | What::Resumed { dropped: false, .. }
-        | What::Leaf { .. } => OPEN_COLOR,
-        What::Box { verdict: ASIDE, .. } => WAIT_COLOR,
-        What::Test { hits, .. } if !hits.is_empty() => HIT_COLOR,
-        What::Plane { .. } => OPEN_COLOR,
-        _ => REJECT_COLOR,
+        | What::Leaf { .. } => BLUE,
+        What::Box { verdict: ASIDE, .. } => ORANGE,
+        What::Test { hits, .. } if !hits.is_empty() => GREEN,
+        What::Plane { .. } => BLUE,
+        _ => RED,
     }
 }
 
 /// Two short lines.
-fn caption(told: &Told) -> [String; 2] {
+fn caption(told: &Told, name: &str) -> [String; 2] {
     let (what, said) = match &told.what {
         What::Box {
             node,
@@ -304,36 +331,38 @@ fn caption(told: &Told) -> [String; 2] {
             }
             .to_string(),
         ),
-        What::Leaf { node, primitives } => (format!("leaf {node}"), format!("names {primitives}")),
+        What::Leaf { node, primitives } => (
+            format!("leaf {node}"),
+            format!("names {}", counted(u64::from(*primitives), name)),
+        ),
         What::Test { primitive, hits } => (
-            format!("triangle {primitive}"),
+            format!("{name} {primitive}"),
             match hits.iter().rfind(|hit| hit.best).or(hits.last()) {
                 None => "no hit".to_string(),
                 Some(hit) => format!("hit at t = {}", short(hit.t)),
             },
         ),
-        What::Repeated { primitive } => (
-            format!("triangle {primitive}"),
-            "already tested".to_string(),
-        ),
+        What::Repeated { primitive } => {
+            (format!("{name} {primitive}"), "already tested".to_string())
+        }
         What::Other => (String::new(), "another step".to_string()),
     };
     [format!("{}. {what}", told.step), said]
 }
 
-/// What the colours mean, at the right of the head.
-fn legend(width: f64) -> Element {
+/// What the colours mean, in a line 330 wide.
+pub fn legend([x, y]: [f64; 2]) -> Element {
     let mut legend = group().with("fill", INK);
     let words = [
-        (OPEN_COLOR, "opened"),
-        (WAIT_COLOR, "put aside"),
-        (REJECT_COLOR, "rejected"),
-        (HIT_COLOR, "hit"),
+        (BLUE, "opened"),
+        (ORANGE, "put aside"),
+        (RED, "rejected"),
+        (GREEN, "hit"),
     ];
     for (k, (color, word)) in words.into_iter().enumerate() {
-        let x = width - 330.0 + 82.0 * k as f64;
-        legend.add(rectangle([x, 17.0], [11.0, 11.0]).with("fill", color));
-        legend.add(label([x + 16.0, 27.0], word));
+        let x = x + 82.0 * k as f64;
+        legend.add(rectangle([x, y], [11.0, 11.0]).with("fill", color));
+        legend.add(label([x + 16.0, y + 10.0], word));
     }
     legend
 }

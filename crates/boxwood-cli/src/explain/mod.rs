@@ -1,7 +1,7 @@
 //! `boxwood explain`: what one ray does in a structure, step by step.
 
-mod film;
-mod story;
+pub mod film;
+pub mod story;
 mod text;
 
 use crate::args::ExplainArgs;
@@ -99,7 +99,11 @@ pub fn run(args: &ExplainArgs) -> Outcome {
                 ray: &ray,
                 axis: args.axis,
                 frames: args.frames as usize,
-                mesh: &flat.mesh,
+                scene: film::Outlines {
+                    name: "triangle",
+                    count: flat.mesh.triangles().len(),
+                    of: &|i| flat.mesh.triangle(i).to_vec(),
+                },
                 bounds: structure.bounds(),
             };
             output.write(film::draw(&plan, &story).as_bytes())?;

@@ -3,11 +3,13 @@
 use boxwood::inspect::Event;
 use boxwood::{Aabb, Intersect, Ray, Step, Verdict};
 use serde::Serialize;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// What happened to a ray.
 pub struct Story {
     pub steps: Vec<Told>,
+    /// Where the nodes and cells lie that it speaks of.
+    pub places: HashMap<u32, Aabb>,
 }
 
 /// A step with what is known of it.
@@ -96,7 +98,7 @@ pub struct Summary {
 impl Story {
     pub fn of(structure: &dyn Intersect, ray: &Ray) -> Self {
         let events = structure.explain(ray);
-        let depths = depths(structure, &events);
+        let nodes = nodes(structure, &events);
         let mut steps: Vec<Told> = Vec::new();
         let mut t_max = ray.t_max;
         let mut leaf = 0;
@@ -122,7 +124,7 @@ impl Story {
                     let what = What::of(step);
                     let depth = match what.node() {
                         Some(node) => {
-                            let depth = depths.get(&node).copied().unwrap_or(0);
+                            let depth = nodes.get(&node).map_or(0, |(depth, _)| *depth);
                             if matches!(what, What::Leaf { .. }) {
                                 leaf = depth + 1;
                             }
@@ -141,7 +143,11 @@ impl Story {
                 _ => {}
             }
         }
-        Self { steps }
+        let places = nodes.into_iter().map(|(node, (_, place))| (node, place));
+        Self {
+            steps,
+            places: places.collect(),
+        }
     }
 
     pub fn summary(&self) -> Summary {
@@ -260,17 +266,20 @@ impl What {
     }
 }
 
-/// How deep the nodes lie that a ray comes by.
-fn depths(structure: &dyn Intersect, events: &[Event]) -> HashMap<u32, u32> {
-    let named = events.iter().filter_map(|event| match event {
-        Event::Step(step) => What::of(*step).node(),
-        _ => None,
-    });
-    let mut depths: HashMap<u32, u32> = named.map(|node| (node, 0)).collect();
+/// How deep, and where, the nodes lie that a ray comes by; those that a structure does not show are left out.
+fn nodes(structure: &dyn Intersect, events: &[Event]) -> HashMap<u32, (u32, Aabb)> {
+    let named: HashSet<u32> = events
+        .iter()
+        .filter_map(|event| match event {
+            Event::Step(step) => What::of(*step).node(),
+            _ => None,
+        })
+        .collect();
+    let mut nodes = HashMap::new();
     structure.cells(&mut |cell| {
-        if let Some(depth) = depths.get_mut(&cell.node) {
-            *depth = cell.depth;
+        if named.contains(&cell.node) {
+            nodes.insert(cell.node, (cell.depth, cell.bounds));
         }
     });
-    depths
+    nodes
 }

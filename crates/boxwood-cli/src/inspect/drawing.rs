@@ -7,7 +7,9 @@
 use super::{Inspected, short_name};
 use crate::args::{Axis, Levels, Place, Slice};
 use crate::failure::Outcome;
-use crate::svg::{self, Element, INK, PALE, Picture, View, Window, color, group, label, path};
+use crate::svg::{
+    self, Element, INK, PALE, Picture, View, Window, color, group, label, path, section,
+};
 use crate::terminal::{self, counted, grouped};
 use boxwood::inspect::Cell;
 use boxwood::{Aabb, TriangleMesh, Vec3};
@@ -280,22 +282,6 @@ fn tooltip(cell: &Cell<'_>) -> String {
         grouped(u64::from(cell.node)),
         cell.depth
     )
-}
-
-/// Where a plane across an axis cuts a flat polygon.
-fn section(polygon: &[Vec3], (axis, place): (usize, f32)) -> Option<[Vec3; 2]> {
-    let mut ends = Vec::new();
-    for (i, &a) in polygon.iter().enumerate() {
-        let b = polygon[(i + 1) % polygon.len()];
-        let (da, db) = (a[axis] - place, b[axis] - place);
-        if (da < 0.0) != (db < 0.0) {
-            ends.push(a + (b - a) * (da / (da - db)));
-        }
-    }
-    match ends[..] {
-        [a, b] => Some([a, b]),
-        _ => None,
-    }
 }
 
 /// The colours of the levels.

@@ -6,7 +6,7 @@
 
 mod window;
 
-pub use window::{View, Window};
+pub use window::{View, Window, section};
 
 use boxwood_render::inferno_srgb;
 use std::fmt::{Display, Write};
@@ -15,7 +15,7 @@ use std::fmt::{Display, Write};
 #[derive(Clone, Debug)]
 pub struct Element {
     name: &'static str,
-    attributes: String,
+    attributes: Vec<(String, String)>,
     content: String,
 }
 
@@ -23,16 +23,18 @@ impl Element {
     pub fn new(name: &'static str) -> Self {
         Self {
             name,
-            attributes: String::new(),
+            attributes: Vec::new(),
             content: String::new(),
         }
     }
 
-    /// With an attribute.
+    /// With an attribute; a later one of the same name replaces it.
     pub fn with(mut self, name: &str, value: impl Display) -> Self {
         let value = escaped(&value.to_string());
-        // Writing to a string cannot fail.
-        let _ = write!(self.attributes, " {name}=\"{value}\"");
+        match self.attributes.iter_mut().find(|(known, _)| known == name) {
+            Some((_, old)) => *old = value,
+            None => self.attributes.push((name.to_string(), value)),
+        }
         self
     }
 
@@ -58,6 +60,10 @@ impl Element {
             attributes,
             content,
         } = self;
+        let attributes: String = attributes
+            .iter()
+            .map(|(name, value)| format!(" {name}=\"{value}\""))
+            .collect();
         // Writing to a string cannot fail.
         let _ = if content.is_empty() {
             writeln!(out, "<{name}{attributes}/>")
@@ -116,6 +122,16 @@ pub fn path<'a>(runs: impl IntoIterator<Item = &'a [[f64; 2]]>, closed: bool) ->
         if closed && !run.is_empty() {
             d.push('Z');
         }
+    }
+    Element::new("path").with("d", d)
+}
+
+/// Many rectangles of one look, given by corner and size.
+pub fn rectangles<'a>(all: impl IntoIterator<Item = &'a [[f64; 2]; 2]>) -> Element {
+    let mut d = String::new();
+    for [[x, y], [width, height]] in all {
+        let [x, y, width, height, back] = [*x, *y, *width, *height, -*width].map(number);
+        d += &format!("M{x} {y}h{width}v{height}h{back}Z");
     }
     Element::new("path").with("d", d)
 }
@@ -190,10 +206,33 @@ impl Picture {
     }
 }
 
+/// A part of the paper, given by corner and size: what is drawn in it ends at its edges.
+pub fn clipped([x, y]: [f64; 2], [width, height]: [f64; 2]) -> Element {
+    let numbers = [x, y, width, height].map(number).join(" ");
+    Element::new("svg")
+        .at("x", x)
+        .at("y", y)
+        .at("width", width)
+        .at("height", height)
+        .with("viewBox", numbers)
+}
+
 /// Dark lines and letters.
 pub const INK: &str = "#20242c";
 /// Things in the background.
 pub const PALE: &str = "#b9bec6";
+/// Words of less weight.
+pub const GRAY: &str = "#5a6270";
+/// What lies in a scene.
+pub const BODY: &str = "#e4e7eb";
+/// What is opened.
+pub const BLUE: &str = "#1f77b4";
+/// What waits.
+pub const ORANGE: &str = "#d98e04";
+/// What is passed over, or costs too much.
+pub const RED: &str = "#c0392b";
+/// What is found.
+pub const GREEN: &str = "#1a8a4a";
 
 /// Without digits that nobody can see; numbers that are none are 0.
 fn number(x: f64) -> String {
@@ -232,13 +271,14 @@ mod tests {
     fn whatever_is_said_stays_text() {
         let mut picture = Picture::new([10.0, 20.0]);
         let nasty = "\"><script>&\u{1}";
-        picture.add(label([1.0, 2.0], nasty).with("data-name", nasty));
+        let twice = label([1.0, 2.0], nasty).with("data-name", "old");
+        picture.add(twice.with("data-name", nasty));
         let text = picture.finish();
         assert!(
             text.contains("&quot;&gt;&lt;script&gt;&amp;\u{fffd}"),
             "{text}"
         );
-        assert!(!text.contains("<script") && !text.contains('\u{1}'));
+        assert!(!text.contains("<script") && !text.contains("old") && !text.contains('\u{1}'));
         assert!(text.starts_with("<svg xmlns=") && text.ends_with("</svg>\n"));
         assert!(text.contains("viewBox=\"0 0 10 20\""), "{text}");
     }

@@ -26,6 +26,10 @@ impl View {
     pub fn flat(&self, p: Vec3) -> [f64; 2] {
         [p[self.across], p[self.up]].map(f64::from)
     }
+    /// Whether an axis is seen, and not looked along.
+    pub fn shows(&self, axis: usize) -> bool {
+        axis == self.across || axis == self.up
+    }
     /// The letters of the axes to the right and up.
     pub fn letters(&self) -> [&'static str; 2] {
         [self.across, self.up].map(|axis| ["x", "y", "z"][axis])
@@ -80,6 +84,22 @@ impl Window {
         let (p, q) = (self.place(b.lower), self.place(b.upper));
         let corner = [p[0].min(q[0]), p[1].min(q[1])];
         [corner, [(p[0] - q[0]).abs(), (p[1] - q[1]).abs()]]
+    }
+}
+
+/// Where a plane across an axis cuts a flat polygon.
+pub fn section(polygon: &[Vec3], (axis, place): (usize, f32)) -> Option<[Vec3; 2]> {
+    let mut ends = Vec::new();
+    for (i, &a) in polygon.iter().enumerate() {
+        let b = polygon[(i + 1) % polygon.len()];
+        let (da, db) = (a[axis] - place, b[axis] - place);
+        if (da < 0.0) != (db < 0.0) {
+            ends.push(a + (b - a) * (da / (da - db)));
+        }
+    }
+    match ends[..] {
+        [a, b] => Some([a, b]),
+        _ => None,
     }
 }
 

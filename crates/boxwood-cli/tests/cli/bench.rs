@@ -123,6 +123,17 @@ pub fn is_svg(text: &str) -> bool {
         let Some((tag, _)) = tag.split_once('>') else {
             return false;
         };
+        // The first part holds the element's name, too.
+        let parts = tag.split('"').step_by(2);
+        let mut attributes: Vec<&str> = parts
+            .filter_map(|part| part.split_whitespace().last()?.strip_suffix('='))
+            .collect();
+        let count = attributes.len();
+        attributes.sort_unstable();
+        attributes.dedup();
+        if attributes.len() < count {
+            return false;
+        }
         let name = |tag: &str| tag.split_whitespace().next().unwrap_or("").to_string();
         if let Some(closed) = tag.strip_prefix('/') {
             if open.pop() != Some(closed.to_string()) {
