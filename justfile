@@ -22,3 +22,7 @@ fuzz seconds="600":
 gallery:
     cargo run --release -- render -o gallery/teapot-in-stadium.png
     cargo run --release -- figure --all --dir gallery/figures
+
+# Every structure over ten million triangles, compared to the bit; needs about 12 GiB of memory and a few minutes.
+large:
+    cargo run --release -p boxwood -p boxwood-testkit --bin large
