@@ -25,4 +25,4 @@ gallery:
 
 # Every structure over ten million triangles, compared to the bit; needs about 12 GiB of memory and a few minutes.
 large:
-    cargo run --release -p boxwood -p boxwood-testkit --bin large
+    cargo run --release --example large
