@@ -1,6 +1,6 @@
 //! Builds every structure over ten million triangles within a memory cap and compares their answers to the bit.
 //!
-//! `cargo run --release --example large [TRIANGLES [CAP_IN_GIB [KIND…]]]`: hills of so many triangles (10
+//! `cargo run --release --example large -- [TRIANGLES [CAP_IN_GIB [KIND…]]]`: hills of so many triangles (10
 //! million), at most so much memory for a structure (8), all structures or those named. Every answer is compared with that
 //! of `bvh:binned`, and a few with the judge's. Exit code 1 when an answer differs.
 
