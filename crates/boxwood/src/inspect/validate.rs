@@ -77,11 +77,9 @@ pub enum TreeFlaw {
 /// Looks at all of a tree: every node has one parent, every box holds what is below it, every primitive is in one leaf,
 /// and no leaf is too deep. Linear time, 4 bytes per node, 36 per primitive, 1 per place.
 ///
-/// Where primitives are cut, it asks that the leaves' boxes together reach as far as each primitive they name. That is necessary, not
-/// sufficient: that no part between them is missing is the builder's promise.
-///
 /// Where the order is longer than there are primitives, some were cut and lie in several leaves: then the boxes of a
-/// primitive's leaves must together be around it, and each of them must hold some of its box.
+/// primitive's leaves must together reach as far as it does, and each of them must hold some of its box. That is
+/// necessary, not sufficient: that no part between them is missing remains the builder's promise.
 ///
 /// # Errors
 /// The first flaw found.
