@@ -319,7 +319,7 @@ fn errors_name_the_file_and_what_was_expected() {
     for (words, sentence) in [
         ("--any --all", "cannot be used with"),
         ("--any --normals", "cannot be used with"),
-        ("--accel octree", "no structure is called `octree`"),
+        ("--accel quadtree", "no structure is called `quadtree`"),
         ("--threads 0", "0 is not in 1..=1024"),
         ("--repeat 0", "0 is not in 1.."),
     ] {
