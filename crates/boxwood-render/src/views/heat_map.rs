@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn one_scale_serves_all() {
-        let [low, middle, high] = [vec![10; 8], vec![37; 8], vec![9000; 8]];
+        let [low, middle, high] = [vec![20; 8], vec![37; 8], vec![9000; 8]];
         let near = HeatScale::of([&low[..], &middle]);
         assert_eq!((near.most(), near.is_logarithmic()), (40, false));
         assert_eq!(near.share(10), 0.25);
