@@ -13,8 +13,9 @@
 use super::limits::{Site, unlimited};
 use super::settings::{Setting, Settings};
 use super::{BuildError, Limits, sah};
+use crate::accel::sah::half_area;
 use crate::geometry::{Aabb, PreparedRay, Ray};
-use crate::inspect::{Cell, Statistics, half_area};
+use crate::inspect::{Cell, Statistics};
 use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Intersect, Query, Step, Traverse, Verdict};
 use alloc::boxed::Box;
@@ -217,19 +218,14 @@ impl<P: Primitives> Traverse for BoundingBoxes<P> {
             counters.node();
             let entered = ray.enters(&object.bounds, query.t_max()).is_some();
             if C::EXPLAINS {
-                let (enter, leave) = ray.slabs(&object.bounds);
-                counters.step(Step::Box {
-                    node: node as u32,
-                    bounds: object.bounds,
-                    enter,
-                    leave,
-                    verdict: match () {
-                        () if entered => Verdict::Opened,
-                        () if enter > leave => Verdict::Missed,
-                        () if leave < ray.t_min => Verdict::Behind,
-                        () => Verdict::Beyond,
-                    },
-                });
+                counters.step(Step::of_box(
+                    node as u32,
+                    object.bounds,
+                    ray.slabs(&object.bounds),
+                    ray.t_min,
+                    query.t_max(),
+                    Verdict::Opened,
+                ));
             }
             if !entered {
                 continue;

@@ -11,7 +11,7 @@
 
 use crate::geometry::{Aabb, PreparedRay, Vec3};
 use crate::primitive::{self, Primitives};
-use crate::query::{Counters, Query};
+use crate::query::{Counters, Query, Step};
 use alloc::vec::Vec;
 use core::ops::ControlFlow::{self, Continue};
 
@@ -165,8 +165,28 @@ impl Mailbox {
     }
     /// Whether primitive `i` is met for the first time, as far as is remembered; remembers it.
     #[inline(always)]
-    pub fn is_new(&mut self, i: u32) -> bool {
+    fn is_new(&mut self, i: u32) -> bool {
         let place = &mut self.0[i as usize % PLACES];
         core::mem::replace(place, i) != i
+    }
+
+    /// Shows those of a cell's primitives to the query that are met for the first time.
+    #[inline(always)]
+    pub fn offer<P: Primitives, Q: Query, C: Counters>(
+        &mut self,
+        primitives: &P,
+        list: &[u32],
+        ray: &PreparedRay,
+        query: &mut Q,
+        counters: &mut C,
+    ) -> ControlFlow<()> {
+        for &i in list {
+            if self.is_new(i) {
+                primitive::offer(primitives, i as usize, ray, query, counters)?;
+            } else if C::EXPLAINS {
+                counters.step(Step::Repeated { primitive: i });
+            }
+        }
+        Continue(())
     }
 }

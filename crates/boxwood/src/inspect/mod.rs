@@ -8,5 +8,4 @@ mod validate;
 pub use cell::Cell;
 pub use explain::{Event, Explained};
 pub use statistics::Statistics;
-pub(crate) use statistics::half_area;
 pub use validate::{TreeFlaw, validate};

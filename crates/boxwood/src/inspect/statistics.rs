@@ -2,7 +2,7 @@
 
 use super::Cell;
 use crate::accel::bvh::BinaryTree;
-use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
+use crate::accel::sah::{NODE_COST, PRIMITIVE_COST, half_area};
 use crate::geometry::Aabb;
 
 /// Numbers that describe a structure.
@@ -109,10 +109,4 @@ fn show_tree(tree: &BinaryTree, show: &mut dyn FnMut(&Cell<'_>)) {
             open.extend(node.children().map(|child| (child, depth + 1)));
         }
     }
-}
-
-/// Half the surface of a box, in double precision; zero when empty.
-pub(crate) fn half_area(b: &Aabb) -> f64 {
-    let d = |axis: usize| (f64::from(b.upper[axis]) - f64::from(b.lower[axis])).max(0.0);
-    d(0) * d(1) + d(1) * d(2) + d(2) * d(0)
 }

@@ -97,6 +97,38 @@ pub enum Verdict {
     Beyond,
 }
 
+impl Step {
+    /// A box met at `slabs`, its entry and its exit, by a ray whose interval still is from `t_min` to `t_max`. One that
+    /// is not rejected is `otherwise`: opened, or deferred.
+    #[cold]
+    pub(crate) fn of_box(
+        node: u32,
+        bounds: Aabb,
+        slabs: (f32, f32),
+        t_min: f32,
+        t_max: f32,
+        otherwise: Verdict,
+    ) -> Step {
+        let (enter, leave) = slabs;
+        let verdict = if !(enter <= leave) {
+            Verdict::Missed
+        } else if !(t_min <= leave) {
+            Verdict::Behind
+        } else if !(enter <= t_max) {
+            Verdict::Beyond
+        } else {
+            otherwise
+        };
+        Step::Box {
+            node,
+            bounds,
+            enter,
+            leave,
+            verdict,
+        }
+    }
+}
+
 impl Counters for () {}
 
 /// How many steps were taken. Adds up over as many rays as it is shown to.

@@ -2,7 +2,7 @@
 
 use super::polyhedron::{Point, Polyhedron};
 use crate::accel::cells::Space;
-use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
+use crate::accel::sah::{NODE_COST, PRIMITIVE_COST, half_area};
 use crate::geometry::{Aabb, Vec3};
 use crate::inspect::{Cell, Statistics};
 use alloc::vec::Vec;
@@ -264,14 +264,16 @@ impl Shape {
     }
     pub fn area(&self) -> f64 {
         match self {
-            Self::Box(b) => box_area(b),
+            Self::Box(b) => 2.0 * half_area(b),
             Self::Slanted(polyhedron) => polyhedron.area(),
         }
     }
     /// The surfaces below and above a plane.
     pub fn areas_cut(&self, plane: &Plane, buffer: &mut Vec<Point>) -> [f64; 2] {
         match (self, plane) {
-            (Self::Box(b), Plane::Across(axis, at)) => halves(b, *axis, *at).map(|b| box_area(&b)),
+            (Self::Box(b), Plane::Across(axis, at)) => {
+                halves(b, *axis, *at).map(|b| 2.0 * half_area(&b))
+            }
             (Self::Slanted(polyhedron), _) => polyhedron.areas_cut(|p| plane.distance(p), buffer),
             (Self::Box(b), _) => Polyhedron::of(b).areas_cut(|p| plane.distance(p), buffer),
         }
@@ -306,12 +308,6 @@ pub(super) fn halves(b: &Aabb, axis: usize, at: f32) -> [Aabb; 2] {
     below.upper[axis] = at;
     above.lower[axis] = at;
     [below, above]
-}
-
-/// In double precision, where squares of 1e30 and 1e-30 are numbers.
-fn box_area(b: &Aabb) -> f64 {
-    let d = |axis: usize| (f64::from(b.upper[axis]) - f64::from(b.lower[axis])).max(0.0);
-    2.0 * (d(0) * d(1) + d(1) * d(2) + d(2) * d(0))
 }
 
 /// A corner in double precision.

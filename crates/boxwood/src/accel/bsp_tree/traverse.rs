@@ -11,7 +11,7 @@ use super::node::BspData;
 use crate::accel::cells::Mailbox;
 use crate::geometry::{Aabb, PreparedRay, Ray, Vec3};
 use crate::inspect::{Cell, Statistics};
-use crate::primitive::{self, Primitives};
+use crate::primitive::Primitives;
 use crate::query::{Counters, Query, Step, Traverse};
 
 /// A BSP tree over owned, borrowed or shared primitives.
@@ -138,16 +138,12 @@ impl<P: Primitives> Traverse for BspTree<P> {
                         });
                     }
                 }
-                for &id in &self.data.references[node.places()] {
-                    if mailbox.is_new(id) {
-                        if primitive::offer(&self.primitives, id as usize, &ray, query, counters)
-                            .is_break()
-                        {
-                            return;
-                        }
-                    } else if C::EXPLAINS {
-                        counters.step(Step::Repeated { primitive: id });
-                    }
+                let list = &self.data.references[node.places()];
+                if mailbox
+                    .offer(&self.primitives, list, &ray, query, counters)
+                    .is_break()
+                {
+                    return;
                 }
                 // What lies entirely beyond the nearest hit is dropped; what begins exactly there may hold an equal one.
                 loop {

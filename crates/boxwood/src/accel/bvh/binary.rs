@@ -236,31 +236,17 @@ impl<P: Primitives> Traverse for Bvh<P> {
     }
 }
 
-/// What became of a box, in words.
-fn verdict(ray: &PreparedRay, enter: f32, leave: f32, t_max: f32, first: bool) -> Verdict {
-    if !(enter <= leave) {
-        Verdict::Missed
-    } else if !(ray.t_min <= leave) {
-        Verdict::Behind
-    } else if !(enter <= t_max) {
-        Verdict::Beyond
-    } else if first {
-        Verdict::Opened
-    } else {
-        Verdict::Deferred
-    }
-}
-
 #[cold]
 fn explain_root<C: Counters>(ray: &PreparedRay, bounds: &Aabb, t_max: f32, counters: &mut C) {
-    let (enter, leave) = ray.slabs(bounds);
-    counters.step(Step::Box {
-        node: 0,
-        bounds: *bounds,
-        enter,
-        leave,
-        verdict: verdict(ray, enter, leave, t_max, true),
-    });
+    let slabs = ray.slabs(bounds);
+    counters.step(Step::of_box(
+        0,
+        *bounds,
+        slabs,
+        ray.t_min,
+        t_max,
+        Verdict::Opened,
+    ));
 }
 
 #[cold]
@@ -274,13 +260,15 @@ fn explain_pair<C: Counters>(
 ) {
     for side in [usize::from(b_first), usize::from(!b_first)] {
         let bounds = pair.bounds(side);
-        let (enter, leave) = ray.slabs(&bounds);
-        counters.step(Step::Box {
-            node: 2 * index + side as u32 + 1,
-            bounds,
-            enter,
-            leave,
-            verdict: verdict(ray, enter, leave, t_max, side == usize::from(b_first)),
-        });
+        let slabs = ray.slabs(&bounds);
+        let otherwise = if side == usize::from(b_first) {
+            Verdict::Opened
+        } else {
+            Verdict::Deferred
+        };
+        let node = 2 * index + side as u32 + 1;
+        counters.step(Step::of_box(
+            node, bounds, slabs, ray.t_min, t_max, otherwise,
+        ));
     }
 }

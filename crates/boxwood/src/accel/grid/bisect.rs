@@ -15,7 +15,7 @@ use super::lattice::{Lattice, Range};
 use super::nested::{Block, Blocks, Nested};
 use crate::accel::cells::Mailbox;
 use crate::geometry::{Aabb, PreparedRay};
-use crate::primitive::{self, Primitives};
+use crate::primitive::Primitives;
 use crate::query::{Counters, Query, Step, Verdict};
 use core::ops::ControlFlow::{self, Continue};
 
@@ -124,19 +124,7 @@ impl<B: Blocks, P: Primitives, Q: Query, C: Counters> Search<'_, B, P, Q, C> {
                 primitives: list.len() as u32,
             });
         }
-        for &i in list {
-            if self.mailbox.is_new(i) {
-                primitive::offer(
-                    self.primitives,
-                    i as usize,
-                    self.ray,
-                    self.query,
-                    self.counters,
-                )?;
-            } else if C::EXPLAINS {
-                self.counters.step(Step::Repeated { primitive: i });
-            }
-        }
-        Continue(())
+        self.mailbox
+            .offer(self.primitives, list, self.ray, self.query, self.counters)
     }
 }

@@ -8,10 +8,11 @@ use super::counted::Counted;
 use super::lattice::Lattice;
 use super::walk::{MOST_SCALES, Way};
 use crate::accel::cells::{Mailbox, Space};
+use crate::accel::sah::half_area;
 use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
 use crate::geometry::{Aabb, PreparedRay, Ray};
-use crate::inspect::{Cell, Statistics, half_area};
-use crate::primitive::{self, Primitives};
+use crate::inspect::{Cell, Statistics};
+use crate::primitive::Primitives;
 use crate::query::{Counters, Query, Step, Verdict};
 
 /// What a grid keeps of its blocks.
@@ -157,18 +158,11 @@ impl<B: Blocks> Nested<B> {
                                 primitives: list.len() as u32,
                             });
                         }
-                        for &i in list {
-                            if !mailbox.is_new(i) {
-                                if C::EXPLAINS {
-                                    counters.step(Step::Repeated { primitive: i });
-                                }
-                                continue;
-                            }
-                            if primitive::offer(primitives, i as usize, &ray, query, counters)
-                                .is_break()
-                            {
-                                return;
-                            }
+                        if mailbox
+                            .offer(primitives, list, &ray, query, counters)
+                            .is_break()
+                        {
+                            return;
                         }
                         // A hit exactly where the ray leaves may have an equal one in the next cell.
                         if query.t_max() < cell_leave {

@@ -1,9 +1,10 @@
 //! Looking at a partition: its cells and its figures.
 
 use super::node::Partition;
+use crate::accel::sah::half_area;
 use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
 use crate::geometry::Aabb;
-use crate::inspect::{Cell, Statistics, half_area};
+use crate::inspect::{Cell, Statistics};
 
 /// The two parts of a cell.
 pub(super) fn halves(cell: &Aabb, axis: usize, plane: f32) -> [Aabb; 2] {

@@ -5,7 +5,7 @@ use super::{KdTree, inspect};
 use crate::accel::cells::Mailbox;
 use crate::geometry::{Aabb, PreparedRay, Ray};
 use crate::inspect::{Cell, Statistics};
-use crate::primitive::{self, Primitives};
+use crate::primitive::Primitives;
 use crate::query::{Counters, Query, Step, Traverse, Verdict};
 
 /// A child that was put aside, and where the ray is in it.
@@ -48,7 +48,14 @@ impl<P: Primitives> Traverse for KdTree<P> {
         }
         let (mut enter, mut exit) = ray.slabs(&space.world);
         if C::EXPLAINS {
-            counters.step(world_step(&ray, &space.world, enter, exit, query.t_max()));
+            counters.step(Step::of_box(
+                0,
+                space.world,
+                (enter, exit),
+                ray.t_min,
+                query.t_max(),
+                Verdict::Opened,
+            ));
         }
         enter = if ray.t_min > enter { ray.t_min } else { enter };
         let t_max = query.t_max();
@@ -117,16 +124,12 @@ impl<P: Primitives> Traverse for KdTree<P> {
                         primitives: node.count() as u32,
                     });
                 }
-                for &id in &references[node.places()] {
-                    if met.is_new(id) {
-                        let flow =
-                            primitive::offer(&self.primitives, id as usize, &ray, query, counters);
-                        if flow.is_break() {
-                            return;
-                        }
-                    } else if C::EXPLAINS {
-                        counters.step(Step::Repeated { primitive: id });
-                    }
+                let list = &references[node.places()];
+                if met
+                    .offer(&self.primitives, list, &ray, query, counters)
+                    .is_break()
+                {
+                    return;
                 }
             }
             // What is entered exactly at `t_max` may hold an equal hit of a lower primitive: only beyond is passed. What lies
@@ -154,26 +157,5 @@ impl<P: Primitives> Traverse for KdTree<P> {
                 }
             }
         }
-    }
-}
-
-/// The first step of all: the box around what is divided.
-#[cold]
-fn world_step(ray: &PreparedRay, world: &Aabb, enter: f32, leave: f32, t_max: f32) -> Step {
-    let verdict = if !(enter <= leave) {
-        Verdict::Missed
-    } else if leave < ray.t_min {
-        Verdict::Behind
-    } else if enter > t_max {
-        Verdict::Beyond
-    } else {
-        Verdict::Opened
-    };
-    Step::Box {
-        node: 0,
-        bounds: *world,
-        enter,
-        leave,
-        verdict,
     }
 }

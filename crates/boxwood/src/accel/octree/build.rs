@@ -10,7 +10,7 @@ use super::node::{Node, OctreeData, Place};
 use super::{MAX_DEPTH, Octree};
 use crate::accel::cells::Space;
 use crate::accel::limits::{Site, unlimited};
-use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
+use crate::accel::sah::{NODE_COST, PRIMITIVE_COST, half_area};
 use crate::accel::settings::{Setting, Settings};
 use crate::accel::{Axes, BuildError, Limits};
 use crate::geometry::{Aabb, Vec3};
@@ -432,12 +432,6 @@ fn octant_bounds(cell: &Aabb, middle: Vec3, octant: usize) -> Aabb {
         }
     }
     bounds
-}
-
-/// In double precision, where squares of 1e30 and 1e-30 are numbers.
-fn half_area(b: &Aabb) -> f64 {
-    let d = |axis: usize| f64::from(b.upper[axis]) - f64::from(b.lower[axis]);
-    d(0) * d(1) + d(1) * d(2) + d(2) * d(0)
 }
 
 impl Settings for OctreeBuilder {

@@ -1,7 +1,7 @@
 //! Nodes of 8 bytes, and where their cells lie.
 
 use crate::accel::cells::Space;
-use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
+use crate::accel::sah::{NODE_COST, PRIMITIVE_COST, half_area};
 use crate::geometry::{Aabb, Vec3};
 use crate::inspect::{Cell, Statistics};
 use alloc::vec::Vec;
@@ -224,10 +224,4 @@ impl OctreeData {
             }
         }
     }
-}
-
-/// In double precision, where squares of 1e30 and 1e-30 are numbers.
-fn half_area(b: &Aabb) -> f64 {
-    let d = |axis: usize| (f64::from(b.upper[axis]) - f64::from(b.lower[axis])).max(0.0);
-    d(0) * d(1) + d(1) * d(2) + d(2) * d(0)
 }

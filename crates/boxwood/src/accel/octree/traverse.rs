@@ -10,7 +10,7 @@ use super::node::{OctreeData, Place, rank};
 use crate::accel::cells::Mailbox;
 use crate::geometry::{Aabb, PreparedRay, Ray, Vec3};
 use crate::inspect::{Cell, Statistics};
-use crate::primitive::{self, Primitives};
+use crate::primitive::Primitives;
 use crate::query::{Counters, Query, Step, Traverse, Verdict};
 
 /// An octree over owned, borrowed or shared primitives.
@@ -167,16 +167,12 @@ impl<P: Primitives> Traverse for Octree<P> {
                         primitives: node.count(),
                     });
                 }
-                for &id in &self.data.references[node.places()] {
-                    if mailbox.is_new(id) {
-                        if primitive::offer(&self.primitives, id as usize, &ray, query, counters)
-                            .is_break()
-                        {
-                            return;
-                        }
-                    } else if C::EXPLAINS {
-                        counters.step(Step::Repeated { primitive: id });
-                    }
+                let list = &self.data.references[node.places()];
+                if mailbox
+                    .offer(&self.primitives, list, &ray, query, counters)
+                    .is_break()
+                {
+                    return;
                 }
             } else {
                 counters.node();
