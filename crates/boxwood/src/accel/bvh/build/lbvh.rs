@@ -13,7 +13,7 @@ use super::top_down::{Divide, Divided, grow, work};
 use super::{BYTES_EACH, BinaryTree, Item, items};
 use crate::accel::bvh::refine::{Refine, collapse_leaves};
 use crate::accel::bvh::tree::MAX_LEAF;
-use crate::accel::limits::{Site, unlimited};
+use crate::accel::limits::Site;
 use crate::accel::settings::Setting;
 use crate::accel::{Axes, BuildError, Limits};
 use crate::geometry::Aabb;
@@ -44,18 +44,9 @@ impl Default for Lbvh {
 }
 
 impl Lbvh {
-    /// Builds a tree; it cannot fail.
-    pub fn build(&self, primitives: &impl Primitives) -> BinaryTree {
-        unlimited(self.build_within(primitives, &Limits::NONE))
-    }
-
-    /// Builds a tree within limits.
-    ///
-    /// # Errors
-    /// When the limits end the build.
-    pub fn build_within(
+    fn tree(
         &self,
-        primitives: &impl Primitives,
+        primitives: &(impl Primitives + Sync),
         limits: &Limits<'_>,
     ) -> Result<BinaryTree, BuildError> {
         let count = primitives.len();
@@ -79,7 +70,7 @@ impl Lbvh {
 pub(super) const CURVE_BYTES_EACH: usize = 2 * size_of::<Coded>() + size_of::<Item>();
 
 /// The primitives in the order of a Morton curve, and their codes.
-pub(super) fn along_curve(primitives: &impl Primitives, axes: Axes) -> (Vec<Coded>, Vec<Item>) {
+pub(super) fn along_curve(primitives: &(impl Primitives + Sync), axes: Axes) -> (Vec<Coded>, Vec<Item>) {
     let unsorted = items(primitives);
     // Those that can be told apart: the others lie at the curve's beginning or end.
     let middles = unsorted.iter().map(Item::centroid);
@@ -89,7 +80,7 @@ pub(super) fn along_curve(primitives: &impl Primitives, axes: Axes) -> (Vec<Code
         .iter()
         .map(|item| Coded {
             code: grid.code(item.centroid()),
-            id: item.id,
+            id: item.id(),
         })
         .collect();
     morton::sort(
@@ -115,7 +106,7 @@ impl<'r> Divide for ByBits<'r> {
         Item::around(part.1)
     }
     fn list(&self, part: &Self::Part, order: &mut Vec<u32>) {
-        order.extend(part.1.iter().map(|item| item.id));
+        order.extend(part.1.iter().map(Item::id));
     }
     fn divide(&self, part: Self::Part, may_choose: bool) -> Divided<Self::Part> {
         let (codes, items) = part;
@@ -134,7 +125,7 @@ impl<'r> Divide for ByBits<'r> {
     }
 }
 
-bvh_settings!(
+bvh_builder!(
     Lbvh,
     "bvh:lbvh",
     |builder| [

@@ -16,10 +16,10 @@ use super::lbvh::{CURVE_BYTES_EACH, along_curve};
 #[cfg(feature = "parallel")]
 use super::top_down::SEQUENTIAL;
 use super::top_down::work;
-use super::{BYTES_EACH, BinaryNode, BinaryTree};
+use super::{BYTES_EACH, BinaryNode, BinaryTree, Item};
 use crate::accel::bvh::refine::{Refine, collapse_leaves};
 use crate::accel::bvh::tree::MAX_LEAF;
-use crate::accel::limits::{Site, unlimited};
+use crate::accel::limits::Site;
 use crate::accel::settings::Setting;
 use crate::accel::{Axes, BuildError, Limits};
 use crate::geometry::Aabb;
@@ -58,18 +58,9 @@ impl Default for Ploc {
 }
 
 impl Ploc {
-    /// Builds a tree; it cannot fail.
-    pub fn build(&self, primitives: &impl Primitives) -> BinaryTree {
-        unlimited(self.build_within(primitives, &Limits::NONE))
-    }
-
-    /// Builds a tree within limits.
-    ///
-    /// # Errors
-    /// When the limits end the build.
-    pub fn build_within(
+    fn tree(
         &self,
-        primitives: &impl Primitives,
+        primitives: &(impl Primitives + Sync),
         limits: &Limits<'_>,
     ) -> Result<BinaryTree, BuildError> {
         let count = primitives.len();
@@ -81,9 +72,9 @@ impl Ploc {
         }
         let (codes, items) = along_curve(primitives, self.axes);
         drop(codes);
-        let order = items.iter().map(|item| item.id).collect();
+        let order = items.iter().map(Item::id).collect();
         let clusters = items.iter().enumerate().map(|(place, item)| BinaryNode {
-            bounds: Aabb::EMPTY.union(item.bounds),
+            bounds: Aabb::EMPTY.union(item.bounds()),
             first: place as u32,
             count: 1,
         });
@@ -191,7 +182,7 @@ fn partner(clusters: &[BinaryNode], i: usize, radius: usize) -> usize {
     best.2
 }
 
-bvh_settings!(
+bvh_builder!(
     Ploc,
     "bvh:ploc",
     |builder| [

@@ -16,7 +16,7 @@ use super::top_down::{Divide, Divided, grow, work};
 use super::{BYTES_EACH, BinaryTree, Item, items};
 use crate::accel::bvh::refine::Refine;
 use crate::accel::bvh::tree::MAX_LEAF;
-use crate::accel::limits::{Site, unlimited};
+use crate::accel::limits::Site;
 use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
 use crate::accel::settings::Setting;
 use crate::accel::{Axes, BuildError, Limits};
@@ -52,18 +52,9 @@ impl Default for SweepSah {
 const ROWS: usize = 4;
 
 impl SweepSah {
-    /// Builds a tree; it cannot fail.
-    pub fn build(&self, primitives: &impl Primitives) -> BinaryTree {
-        unlimited(self.build_within(primitives, &Limits::NONE))
-    }
-
-    /// Builds a tree within limits.
-    ///
-    /// # Errors
-    /// When the limits end the build.
-    pub fn build_within(
+    fn tree(
         &self,
-        primitives: &impl Primitives,
+        primitives: &(impl Primitives + Sync),
         limits: &Limits<'_>,
     ) -> Result<BinaryTree, BuildError> {
         let count = primitives.len();
@@ -102,10 +93,10 @@ fn sorted(items: &[Item], axis: usize) -> Vec<Item> {
     let mut row = items.to_vec();
     #[cfg(feature = "parallel")]
     if row.len() > SEQUENTIAL {
-        row.par_sort_unstable_by_key(|item| item.key(axis, item.id));
+        row.par_sort_unstable_by_key(|item| item.key(axis, item.id()));
         return row;
     }
-    row.sort_unstable_by_key(|item| item.key(axis, item.id));
+    row.sort_unstable_by_key(|item| item.key(axis, item.id()));
     row
 }
 
@@ -128,7 +119,7 @@ impl Sweep<'_> {
     fn cut(row: &[Item], axis: usize) -> Option<(usize, Cut)> {
         let weigh = |behind: &mut [f32]| {
             let cut = cheapest_cut(row.len(), u32::MAX, behind, |i| Slot {
-                bounds: row[i].bounds,
+                sides: row[i].sides(),
                 begin: 1,
                 end: 1,
             });
@@ -167,7 +158,7 @@ impl<'i> Divide for Sweep<'i> {
     }
     fn list(&self, part: &Rows<'i>, order: &mut Vec<u32>) {
         let row = &part.by_axis[self.axes.iter().next().unwrap_or(0)];
-        order.extend(row.iter().map(|item| item.id));
+        order.extend(row.iter().map(Item::id));
     }
     fn divide(&self, part: Rows<'i>, may_choose: bool) -> Divided<Rows<'i>> {
         let len = part.spare.len();
@@ -186,7 +177,7 @@ impl<'i> Divide for Sweep<'i> {
         let at = if may_choose { cut.at } else { len / 2 };
         let Rows { by_axis, spare, .. } = part;
         let first_right = &by_axis[axis][at];
-        let border = first_right.key(axis, first_right.id);
+        let border = first_right.key(axis, first_right.id());
         let mut bounds = [Aabb::EMPTY; 2];
         let mut axes = 0..3;
         let halves = by_axis.map(|row| {
@@ -199,7 +190,7 @@ impl<'i> Divide for Sweep<'i> {
                 bounds = [Item::around(left), Item::around(right)];
                 return (left, right);
             }
-            part_in_order(row, spare, |item| item.key(axis, item.id) < border);
+            part_in_order(row, spare, |item| item.key(axis, item.id()) < border);
             row.split_at_mut(at)
         });
         let [x, y, z] = halves;
@@ -234,7 +225,7 @@ fn part_in_order(row: &mut [Item], spare: &mut [Item], goes_left: impl Fn(&Item)
     row[left..].copy_from_slice(&spare[..right]);
 }
 
-bvh_settings!(
+bvh_builder!(
     SweepSah,
     "bvh:sweep",
     |builder| [
