@@ -28,17 +28,18 @@ pub(super) struct Pair {
 
 impl Parts {
     /// A node above both.
-    pub fn pair(halves: [Self; 2]) -> Self {
+    pub fn pair(halves: [Self; 2], bounds: Aabb) -> Self {
         let [a, b] = &halves;
         Self::Pair(Box::new(Pair {
-            bounds: a.bounds().union(b.bounds()),
+            bounds,
             nodes: 1 + a.nodes() + b.nodes(),
             places: a.places() + b.places(),
             halves,
         }))
     }
 
-    fn bounds(&self) -> Aabb {
+    /// Around everything in it.
+    pub fn bounds(&self) -> Aabb {
         match self {
             Self::Whole(tree) => tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds),
             Self::Pair(pair) => pair.bounds,

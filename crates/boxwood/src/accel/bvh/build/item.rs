@@ -58,11 +58,14 @@ impl Sides {
     }
 }
 
+/// Set in the lanes of the number: floats of about 2^23, that go through the operations of the other lanes as fast as they.
+const NUMBER: u32 = 0x4b00_0000;
+
 /// A primitive, or a part of one, on its way through a builder.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 pub(super) struct Item {
-    /// The bits of the number lie in the fourth lane.
+    /// Half of the number's bits lie in the fourth lane of each row.
     sides: Sides,
 }
 
@@ -70,12 +73,13 @@ impl Item {
     #[inline(always)]
     pub fn new(bounds: &Aabb, id: u32) -> Self {
         let mut sides = Sides::of(bounds);
-        sides.0[3] = f32::from_bits(id);
+        sides.0[3] = f32::from_bits(NUMBER | id & 0xffff);
+        sides.0[7] = f32::from_bits(NUMBER | id >> 16);
         Self { sides }
     }
     #[inline(always)]
     pub fn id(&self) -> u32 {
-        self.sides.0[3].to_bits()
+        self.sides.0[3].to_bits() & 0xffff | self.sides.0[7].to_bits() << 16
     }
     #[inline(always)]
     pub fn sides(&self) -> Sides {
@@ -90,14 +94,11 @@ impl Item {
         let [x, y, z, _] = self.middle();
         Vec3::new(x, y, z)
     }
-    /// The centroid, and 0: the lane of the number must not enter into products, which take long with numbers so small.
+    /// The centroid, and a number.
     #[inline(always)]
     pub fn middle(&self) -> [f32; 4] {
-        const LANES: [u32; 4] = [u32::MAX, u32::MAX, u32::MAX, 0];
         let s = &self.sides.0;
-        core::array::from_fn(|k| {
-            f32::from_bits(s[k].to_bits() & LANES[k]) * 0.5 - s[k + 4] * 0.5
-        })
+        core::array::from_fn(|k| s[k] * 0.5 - s[k + 4] * 0.5)
     }
     /// The same number with another box.
     pub fn with_bounds(&self, bounds: &Aabb) -> Self {

@@ -9,6 +9,8 @@
 //! *Source.* Lauterbach et al. 2009, *Fast BVH Construction on GPUs*; the halving of equal codes is that of Karras 2012,
 //! *Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees*.
 
+#[cfg(feature = "parallel")]
+use super::top_down::SEQUENTIAL;
 use super::top_down::{Divide, Divided, grow, work};
 use super::{BYTES_EACH, BinaryTree, Item, items};
 use crate::accel::bvh::refine::{Refine, collapse_leaves};
@@ -21,6 +23,8 @@ use crate::geometry::morton::{self, Coded, Grid};
 use crate::primitive::Primitives;
 use alloc::vec::Vec;
 use core::marker::PhantomData;
+#[cfg(feature = "parallel")]
+use rayon::prelude::*;
 
 /// The builder along a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +58,9 @@ impl Lbvh {
         if count == 0 || !site.take((BYTES_EACH + CURVE_BYTES_EACH).saturating_mul(count)) {
             return site.finish(BinaryTree::default());
         }
-        let (codes, items) = along_curve(primitives, self.axes);
+        let Some((codes, items)) = along_curve(primitives, self.axes, &site) else {
+            return site.finish(BinaryTree::default());
+        };
         let by_bits = ByBits { run: PhantomData };
         let mut tree = grow(&by_bits, (&codes[..], &items[..]), &site);
         drop((codes, items));
@@ -69,27 +75,46 @@ impl Lbvh {
 /// What sorting along the curve needs for each primitive.
 pub(super) const CURVE_BYTES_EACH: usize = 2 * size_of::<Coded>() + size_of::<Item>();
 
-/// The primitives in the order of a Morton curve, and their codes.
-pub(super) fn along_curve(primitives: &(impl Primitives + Sync), axes: Axes) -> (Vec<Coded>, Vec<Item>) {
+/// The primitives in the order of a Morton curve, and their codes; `None` when the build is over.
+pub(super) fn along_curve(
+    primitives: &(impl Primitives + Sync),
+    axes: Axes,
+    site: &Site<'_>,
+) -> Option<(Vec<Coded>, Vec<Item>)> {
     let unsorted = items(primitives);
     // Those that can be told apart: the others lie at the curve's beginning or end.
-    let middles = unsorted.iter().map(Item::centroid);
-    let around = Aabb::of(middles.filter(|middle| middle.is_finite()));
+    let finite = |items: &[Item]| {
+        let middles = items.iter().map(Item::centroid);
+        Aabb::of(middles.filter(|middle| middle.is_finite()))
+    };
+    #[cfg(feature = "parallel")]
+    let around = unsorted
+        .par_chunks(SEQUENTIAL)
+        .map(finite)
+        .reduce(|| Aabb::EMPTY, Aabb::union);
+    #[cfg(not(feature = "parallel"))]
+    let around = finite(&unsorted);
     let grid = Grid::over(&around, [0, 1, 2].map(|axis| axes.has(axis)));
-    let mut codes: Vec<Coded> = unsorted
-        .iter()
-        .map(|item| Coded {
-            code: grid.code(item.centroid()),
-            id: item.id(),
-        })
-        .collect();
-    morton::sort(
-        &mut codes,
-        &mut alloc::vec![Coded::default(); unsorted.len()],
-    );
-    let items = codes.iter().map(|coded| unsorted[coded.id as usize]);
-    let items = items.collect();
-    (codes, items)
+    let coded = |item: &Item| Coded {
+        code: grid.code(item.centroid()),
+        id: item.id(),
+    };
+    #[cfg(feature = "parallel")]
+    let mut codes: Vec<Coded> = unsorted.par_iter().map(coded).collect();
+    #[cfg(not(feature = "parallel"))]
+    let mut codes: Vec<Coded> = unsorted.iter().map(coded).collect();
+    let mut spare = alloc::vec![Coded::default(); unsorted.len()];
+    // A pass over the codes is a small part of what a level of a build takes.
+    if !morton::sort(&mut codes, &mut spare, &|codes| site.advance(codes / 2)) {
+        return None;
+    }
+    drop(spare);
+    let item = |coded: &Coded| unsorted[coded.id as usize];
+    #[cfg(feature = "parallel")]
+    let items = codes.par_iter().map(item).collect();
+    #[cfg(not(feature = "parallel"))]
+    let items = codes.iter().map(item).collect();
+    Some((codes, items))
 }
 
 struct ByBits<'r> {

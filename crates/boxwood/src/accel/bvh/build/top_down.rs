@@ -102,7 +102,8 @@ fn parts<D: Divide>(part: D::Part, depth: usize, work: &Work<'_, D>) -> Parts {
                 || parts(left, depth + 1, work),
                 || parts(right, depth + 1, work),
             );
-            Parts::pair([left, right])
+            let bounds = left.bounds().union(right.bounds());
+            Parts::pair([left, right], bounds)
         }
     }
 }

@@ -84,12 +84,10 @@ impl Bins {
         let mut middles = [Sides::EMPTY; 2];
         let mut left = 0;
         for i in 0..items.len() {
-            let item = items[i];
-            let middle = item.middle();
+            let middle = items[i].middle();
             let goes_left = self.bin::<MAX_BINS>(middle[axis], axis) < at;
             // Swapped whether it goes left or not: which, nobody could foresee.
-            items[i] = items[left];
-            items[left] = item;
+            items.swap(i, left);
             left += usize::from(goes_left);
             let middle = Sides::of_point(middle);
             middles[0] = middles[0].around(&middle.only_if(goes_left));
