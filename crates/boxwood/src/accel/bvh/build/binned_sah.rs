@@ -103,14 +103,18 @@ impl<'i> Slice<'i> {
         }
     }
     /// Two slices of one whose boxes are known.
-    fn halves(items: &'i mut [Item], at: usize, around: [Sides; 2], middles: [Sides; 2]) -> [Self; 2] {
-        let (left, right) = items.split_at_mut(at);
-        let half = |items, side: usize| Self {
+    fn halves(self, at: usize, around: [Sides; 2]) -> [Self; 2] {
+        let (left, right) = self.items.split_at_mut(at);
+        let half = |items: &'i mut [Item], around| Self {
+            middles: if items.len() > FEW {
+                Item::around_middles(items)
+            } else {
+                Sides::EMPTY
+            },
             items,
-            around: around[side],
-            middles: middles[side],
+            around,
         };
-        [half(left, 0), half(right, 1)]
+        [half(left, around[0]), half(right, around[1])]
     }
     /// Two slices of one about which nothing is known.
     fn halved(self) -> [Self; 2] {
@@ -175,7 +179,7 @@ impl<'i> Binned<'i> {
         let at = found.cut.at;
         let (left, right) = part.items.split_at(at);
         let around = [left, right].map(Item::sides_around);
-        Divided::Halves(Slice::halves(part.items, at, around, [Sides::EMPTY; 2]))
+        Divided::Halves(part.halves(at, around))
     }
 
     fn divide_many<const N: usize>(
@@ -183,10 +187,11 @@ impl<'i> Binned<'i> {
         part: Slice<'i>,
         may_choose: bool,
     ) -> Divided<Slice<'i>> {
-        let bins = Bins::new(self.settings.bins, &part.middles);
+        let count = self.settings.bins;
+        let bins = Bins::new(count, &part.middles);
         let filled = bins.fill::<N>(part.items);
         let cuts = self.settings.axes.iter().filter_map(|axis| {
-            let cut = filled.cheapest_cut(axis, self.settings.bins);
+            let cut = filled.cheapest_cut(axis, count);
             cut.map(|cut| (axis, cut))
         });
         let best = cuts.reduce(|a, b| if b.1.is_better(&a.1) { b } else { a });
@@ -200,8 +205,8 @@ impl<'i> Binned<'i> {
             return Divided::Halves(part.halved());
         }
         let around = filled.around(axis, cut.at);
-        let (at, middles) = bins.part(part.items, axis, cut.at);
-        Divided::Halves(Slice::halves(part.items, at, around, middles))
+        let at = bins.part(part.items, axis, cut.at);
+        Divided::Halves(part.halves(at, around))
     }
 }
 

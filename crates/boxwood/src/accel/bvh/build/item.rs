@@ -32,13 +32,6 @@ impl Sides {
         }
         Self(sides)
     }
-    /// Itself, or nothing.
-    #[inline(always)]
-    pub fn only_if(&self, holds: bool) -> Self {
-        let mask = u32::from(holds).wrapping_neg();
-        let none = !mask & f32::INFINITY.to_bits();
-        Self(self.0.map(|x| f32::from_bits(x.to_bits() & mask | none)))
-    }
     #[inline(always)]
     pub fn half_area(&self) -> f32 {
         let size = |k: usize| {
@@ -100,6 +93,12 @@ impl Item {
         let s = &self.sides.0;
         core::array::from_fn(|k| s[k] * 0.5 - s[k + 4] * 0.5)
     }
+    /// The same along one axis.
+    #[inline(always)]
+    pub fn middle_along(&self, axis: usize) -> f32 {
+        let s = &self.sides.0;
+        s[axis & 3] * 0.5 - s[axis & 3 | 4] * 0.5
+    }
     /// The same number with another box.
     pub fn with_bounds(&self, bounds: &Aabb) -> Self {
         Self::new(bounds, self.id())
@@ -131,7 +130,7 @@ impl Item {
     /// Orders items along an axis by their middles; `tie` decides between equal ones. Infinities and NaN have a place too.
     #[inline(always)]
     pub fn key(&self, axis: usize, tie: u32) -> u64 {
-        let bits = self.centroid()[axis].to_bits();
+        let bits = self.middle_along(axis).to_bits();
         // Flips all bits of negative numbers and the sign of the others: then they ascend like whole numbers.
         let place = bits ^ (((bits as i32 >> 31) as u32) | 1 << 31);
         u64::from(place) << 32 | u64::from(tie)

@@ -46,6 +46,9 @@ fn cost(sides: &Sides, count: u32) -> f32 {
     }
 }
 
+/// Dearer than any cut.
+const NONE: u64 = u64::MAX;
+
 /// The cheapest cut of a row of `len` slots that leaves primitives on both sides and, where some are cut in two, at most
 /// `most` in all. `behind` is scratch for at least `len` numbers.
 #[inline(always)]
@@ -62,7 +65,9 @@ pub(super) fn cheapest_cut(
         (sides, right) = (sides.around(&slot.sides), right + slot.end);
         behind[i] = cost(&sides, right);
     }
-    let mut best: Option<Cut> = None;
+    // Cost above evenness in one number, the least of which is the best: positive floats ascend like whole numbers. A
+    // branch would be foreseen badly.
+    let (mut best, mut best_at) = (NONE, 0);
     let mut sides = Sides::EMPTY;
     let mut left = 0;
     for at in 1..len {
@@ -71,17 +76,16 @@ pub(super) fn cheapest_cut(
         if at > 1 {
             right -= before.end;
         }
-        if left == 0 || right == 0 || left + right > most {
-            continue;
-        }
-        let cut = Cut {
-            at,
-            cost: cost(&sides, left) + behind[at],
-            smaller_half: left.min(right),
-        };
-        if best.as_ref().is_none_or(|best| cut.is_better(best)) {
-            best = Some(cut);
-        }
+        let cost = cost(&sides, left) + behind[at];
+        let cut = u64::from(cost.to_bits()) << 32 | u64::from(!left.min(right));
+        let counts = (left != 0) & (right != 0) & (left + right <= most);
+        let cut = if counts { cut } else { NONE };
+        best_at = if cut < best { at } else { best_at };
+        best = best.min(cut);
     }
-    best
+    (best != NONE).then(|| Cut {
+        at: best_at,
+        cost: f32::from_bits((best >> 32) as u32),
+        smaller_half: !(best as u32),
+    })
 }

@@ -39,14 +39,13 @@ impl Bins {
         }
     }
 
-    /// The bin along one axis, of at most `N`.
+    /// The bin along one axis.
     #[inline(always)]
-    fn bin<const N: usize>(&self, middle: f32, axis: usize) -> usize {
+    fn bin(&self, middle: f32, axis: usize) -> u32 {
         let place = (middle - self.lower[axis]) * self.scale[axis] - HALF;
         // A NaN (from an infinite box) falls into the last bin.
         let place = if place < self.last { place } else { self.last };
-        const { assert!(N.is_power_of_two()) };
-        (place + ROUNDING).to_bits() as usize & (N - 1)
+        (place + ROUNDING).to_bits()
     }
 
     pub fn fill<const N: usize>(&self, items: &[Item]) -> Filled<N> {
@@ -63,37 +62,38 @@ impl Bins {
 
     fn fill_some<const N: usize>(&self, items: &[Item]) -> Filled<N> {
         let mut filled = Filled::empty();
-        for item in items {
-            let (middle, sides) = (item.middle(), item.sides());
-            let mut bins = [0; 4];
-            for axis in 0..4 {
-                bins[axis] = self.bin::<N>(middle[axis], axis);
+        const { assert!(N.is_power_of_two()) };
+        // First all numbers of some items, four lanes at a time, then the items.
+        let mut bins = [[0; 4]; 64];
+        for items in items.chunks(bins.len()) {
+            for (bins, item) in bins.iter_mut().zip(items) {
+                let middle = item.middle();
+                for axis in 0..4 {
+                    bins[axis] = self.bin(middle[axis], axis);
+                }
             }
-            for axis in 0..3 {
-                let bin = bins[axis];
-                filled.sides[axis][bin] = filled.sides[axis][bin].around(&sides);
-                filled.counts[axis][bin] += 1;
+            for (bins, item) in bins.iter().zip(items) {
+                let sides = item.sides();
+                for axis in 0..3 {
+                    let bin = bins[axis] as usize & (N - 1);
+                    filled.sides[axis][bin] = filled.sides[axis][bin].around(&sides);
+                    filled.counts[axis][bin] += 1;
+                }
             }
         }
         filled
     }
 
-    /// Brings the items of the bins before `at` to the front: how many they are, and what is around the middles of both
-    /// parts.
-    pub fn part(&self, items: &mut [Item], axis: usize, at: usize) -> (usize, [Sides; 2]) {
-        let mut middles = [Sides::EMPTY; 2];
+    /// Brings the items of the bins before `at` to the front: how many they are.
+    pub fn part(&self, items: &mut [Item], axis: usize, at: usize) -> usize {
         let mut left = 0;
         for i in 0..items.len() {
-            let middle = items[i].middle();
-            let goes_left = self.bin::<MAX_BINS>(middle[axis], axis) < at;
+            let bin = self.bin(items[i].middle_along(axis), axis) as usize & (MAX_BINS - 1);
             // Swapped whether it goes left or not: which, nobody could foresee.
             items.swap(i, left);
-            left += usize::from(goes_left);
-            let middle = Sides::of_point(middle);
-            middles[0] = middles[0].around(&middle.only_if(goes_left));
-            middles[1] = middles[1].around(&middle.only_if(!goes_left));
+            left += usize::from(bin < at);
         }
-        (left, middles)
+        left
     }
 }
 
