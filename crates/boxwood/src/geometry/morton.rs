@@ -110,10 +110,7 @@ fn merge((mut a, mut b): (&[Coded], &[Coded]), into: &mut [Coded]) {
         };
         let ((a, more_a), (b, more_b)) = (a.split_at(before_a), b.split_at(before_b));
         let (into, rest) = into.split_at_mut(before_a + before_b);
-        rayon::join(
-            || merge((a, b), into),
-            || merge((more_a, more_b), rest),
-        );
+        rayon::join(|| merge((a, b), into), || merge((more_a, more_b), rest));
         return;
     }
     for slot in into {

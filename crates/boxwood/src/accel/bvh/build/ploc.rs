@@ -222,27 +222,28 @@ fn join(
         tasks.push((run, at, joined, nodes));
         at += 2 * pairs;
     }
-    let write = |(run, at, joined, nodes): (Range<usize>, usize, &mut [BinaryNode], &mut [BinaryNode])| {
-        let left = run.filter_map(|i| match fate(i, partners) {
-            Fate::Alone => Some((i, i)),
-            Fate::First(partner) => Some((i, partner)),
-            Fate::Second => None,
-        });
-        let mut pairs = (at as u32..).step_by(2).zip(nodes.as_chunks_mut::<2>().0);
-        for (to, (i, partner)) in joined.iter_mut().zip(left) {
-            *to = clusters[i];
-            if partner != i
-                && let Some((first, [a, b])) = pairs.next()
-            {
-                (*a, *b) = (clusters[i], clusters[partner]);
-                *to = BinaryNode {
-                    bounds: a.bounds.union(b.bounds),
-                    first,
-                    count: 0,
-                };
+    let write =
+        |(run, at, joined, nodes): (Range<usize>, usize, &mut [BinaryNode], &mut [BinaryNode])| {
+            let left = run.filter_map(|i| match fate(i, partners) {
+                Fate::Alone => Some((i, i)),
+                Fate::First(partner) => Some((i, partner)),
+                Fate::Second => None,
+            });
+            let mut pairs = (at as u32..).step_by(2).zip(nodes.as_chunks_mut::<2>().0);
+            for (to, (i, partner)) in joined.iter_mut().zip(left) {
+                *to = clusters[i];
+                if partner != i
+                    && let Some((first, [a, b])) = pairs.next()
+                {
+                    (*a, *b) = (clusters[i], clusters[partner]);
+                    *to = BinaryNode {
+                        bounds: a.bounds.union(b.bounds),
+                        first,
+                        count: 0,
+                    };
+                }
             }
-        }
-    };
+        };
     #[cfg(feature = "parallel")]
     tasks.into_par_iter().for_each(write);
     #[cfg(not(feature = "parallel"))]

@@ -5,7 +5,7 @@
 //! and they are few enough for a leaf. The other two rows are then parted without losing their order, so that nothing is
 //! ever sorted again.
 //!
-//! *Cost.* O(n log n), 112 bytes a primitive while it builds.
+//! *Cost.* O(n log n), 140 bytes a primitive while it builds, beside the tree.
 //!
 //! *Source.* Goldsmith & Salmon 1987; MacDonald & Booth 1990; the presorted rows of Wald & Havran 2006 and Wald 2007.
 
@@ -21,6 +21,7 @@ use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
 use crate::accel::settings::Setting;
 use crate::accel::{Axes, BuildError, Limits};
 use crate::geometry::Aabb;
+use crate::geometry::morton::{self, Coded};
 use crate::primitive::Primitives;
 use alloc::vec::Vec;
 use core::marker::PhantomData;
@@ -48,7 +49,7 @@ impl Default for SweepSah {
     }
 }
 
-/// Three rows of items, and one more that parting needs.
+/// Three rows of items, and one more that parting needs. Weighing the cuts of a row takes a number for each item.
 const ROWS: usize = 4;
 
 impl SweepSah {
@@ -59,18 +60,18 @@ impl SweepSah {
     ) -> Result<BinaryTree, BuildError> {
         let count = primitives.len();
         let site = Site::new(limits, work(count, self.refine));
-        let bytes = BYTES_EACH + (ROWS - 1) * size_of::<Item>();
+        let bytes = BYTES_EACH + (ROWS - 1) * size_of::<Item>() + 3 * size_of::<f32>();
         if count == 0 || !site.take(bytes.saturating_mul(count)) {
             return site.finish(BinaryTree::default());
         }
         let mut spare = items(primitives);
-        let mut rows = [0, 1, 2].map(|axis| {
-            if self.axes.has(axis) {
-                sorted(&spare, axis)
-            } else {
-                Vec::new()
-            }
-        });
+        let mut rows = [const { Vec::new() }; 3];
+        for axis in self.axes.iter() {
+            let Some(row) = sorted(&spare, axis, &site) else {
+                return site.finish(BinaryTree::default());
+            };
+            rows[axis] = row;
+        }
         let sweep = Sweep {
             axes: self.axes,
             max_leaf: self.max_leaf.clamp(1, MAX_LEAF),
@@ -88,16 +89,32 @@ impl SweepSah {
     }
 }
 
-/// The items by their middles along an axis.
-fn sorted(items: &[Item], axis: usize) -> Vec<Item> {
-    let mut row = items.to_vec();
-    #[cfg(feature = "parallel")]
-    if row.len() > SEQUENTIAL {
-        row.par_sort_unstable_by_key(|item| item.key(axis, item.id()));
-        return row;
+/// What sorting along one axis needs for each item.
+const SORT_BYTES_EACH: usize = 2 * size_of::<Coded>();
+
+/// The items, which lie in the order of their numbers, by their middles along an axis; `None` when the build is over.
+fn sorted(items: &[Item], axis: usize, site: &Site<'_>) -> Option<Vec<Item>> {
+    let bytes = SORT_BYTES_EACH.saturating_mul(items.len());
+    if !site.take(bytes) {
+        return None;
     }
-    row.sort_unstable_by_key(|item| item.key(axis, item.id()));
-    row
+    let coded = |(place, item): (usize, &Item)| Coded {
+        code: item.key(axis, 0) >> 32,
+        id: place as u32,
+    };
+    #[cfg(feature = "parallel")]
+    let mut codes: Vec<Coded> = items.par_iter().enumerate().map(coded).collect();
+    #[cfg(not(feature = "parallel"))]
+    let mut codes: Vec<Coded> = items.iter().enumerate().map(coded).collect();
+    let mut spare = alloc::vec![Coded::default(); items.len()];
+    let is_sorted = morton::sort(&mut codes, &mut spare, &|codes| site.advance(codes / 4));
+    let item = |coded: &Coded| items[coded.id as usize];
+    #[cfg(feature = "parallel")]
+    let row = codes.par_iter().map(item).collect();
+    #[cfg(not(feature = "parallel"))]
+    let row = codes.iter().map(item).collect();
+    site.give(bytes);
+    is_sorted.then_some(row)
 }
 
 struct Sweep<'i> {

@@ -177,10 +177,9 @@ fn subtree<D: Divide>(part: D::Part, depth: usize, work: &Work<'_, D>) -> Binary
 pub(super) enum Split {
     /// They stay together.
     Leaf,
-    /// They were reordered, and the second half begins here.
+    /// They were reordered, and the second half begins here; where that leaves nothing on one side they are cut in the
+    /// middle.
     At(usize),
-    /// They lie all in one place, or no cut is worth more than another: cut them in the middle.
-    Halve,
 }
 
 /// Splits slices top-down: `split` reorders its slice and says where to cut.
@@ -237,7 +236,7 @@ impl<'i, S: Fn(&mut [Item], &Extent) -> Split + Sync> Divide for Slices<'i, '_, 
         let cut = match (self.split)(part, &Extent::of(part, self.axes)) {
             Split::Leaf => return Divided::Leaf(part),
             Split::At(cut) if may_choose && 0 < cut && cut < part.len() => cut,
-            Split::At(_) | Split::Halve => part.len() / 2,
+            Split::At(_) => part.len() / 2,
         };
         Divided::Halves(part.split_at_mut(cut).into())
     }

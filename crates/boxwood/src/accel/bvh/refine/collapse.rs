@@ -9,11 +9,11 @@
 
 use super::area;
 use super::lay_out::lay_out;
+#[cfg(feature = "parallel")]
+use crate::accel::bvh::assemble::Parts;
 use crate::accel::bvh::tree::{BinaryNode, BinaryTree, MAX_DEPTH, MAX_LEAF};
 use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
 use alloc::vec::Vec;
-#[cfg(feature = "parallel")]
-use crate::accel::bvh::assemble::Parts;
 
 /// Makes leaves of up to `max_leaf` primitives (1 to [`MAX_LEAF`]) wherever the surface-area heuristic finds them no dearer
 /// than what they replace.
@@ -78,7 +78,11 @@ const FEW_NODES: usize = 8192;
 
 #[cfg(feature = "parallel")]
 fn collapsed(tree: &BinaryTree, max_leaf: u32) -> (BinaryTree, usize) {
-    let levels = if tree.nodes.len() < FEW_NODES { 0 } else { LEVELS };
+    let levels = if tree.nodes.len() < FEW_NODES {
+        0
+    } else {
+        LEVELS
+    };
     let (parts, weight) = copy_parts(tree, 0, levels, max_leaf);
     (parts.join(), weight.depth)
 }

@@ -4,8 +4,8 @@
 //! those before it.
 
 use crate::accel::Axes;
-use crate::accel::bvh::build::sweep::{Cut, Slot, cheapest_cut as cheapest_cut_of_row};
 use crate::accel::bvh::build::Item;
+use crate::accel::bvh::build::sweep::{Cut, Slot, cheapest_cut as cheapest_cut_of_row};
 
 /// How many a handful is.
 pub(super) const FEW: usize = 8;

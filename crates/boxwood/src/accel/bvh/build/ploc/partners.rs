@@ -105,7 +105,11 @@ fn areas(mine: &[f32; 6], planes: &[Vec<f32>; 6], j: usize) -> [f32; LANES] {
         for lane in 0..LANES {
             let (l, u) = (lower[lane], upper[lane]);
             let l = if l < mine[axis] { l } else { mine[axis] };
-            let u = if u < mine[axis + 3] { u } else { mine[axis + 3] };
+            let u = if u < mine[axis + 3] {
+                u
+            } else {
+                mine[axis + 3]
+            };
             let size = -u - l;
             sizes[axis][lane] = if size > 0.0 { size } else { 0.0 };
         }

@@ -4,8 +4,8 @@
 //! begins in the first and ends in the last; a sweep over the bins gives the cost of the planes between them.
 
 use super::{References, Splitter};
-use crate::accel::bvh::build::{Item, Sides};
 use crate::accel::bvh::build::sweep::{Cut, Slot, cheapest_cut};
+use crate::accel::bvh::build::{Item, Sides};
 use crate::geometry::Aabb;
 use crate::primitive::Primitives;
 use alloc::vec::Vec;
