@@ -4,7 +4,7 @@ use super::bricks::Bricks;
 use super::counted::{Counted, bytes_of_cells};
 use super::lattice::{Lattice, MAX_SIDE};
 use super::nested::Nested;
-use super::register::{most_references, register};
+use super::register::{Register, most_references, register};
 use super::settings::{CutIn, Density};
 use super::walk::{LEAST_PADS, PAD};
 use super::{Grid, UniformGrid};
@@ -89,9 +89,9 @@ impl GridBuilder {
                 false => site.try_take(bytes_of_cells(cells)),
             };
             if room {
-                let put = |i: usize, bounds: &_, put: &mut dyn FnMut(u32) -> _| {
+                let put = |i: usize, bounds: &_, register: &mut Register<'_>| {
                     lattice.overlapped(&space, primitives, i, bounds, &mut |cell| {
-                        put(bricks.cell(cell))
+                        register.put(bricks.cell(cell))
                     })
                 };
                 let found = register(

@@ -20,6 +20,7 @@
 mod bisect;
 mod bricks;
 mod build;
+mod cover;
 pub(super) mod counted;
 pub(super) mod lattice;
 pub(super) mod nested;

@@ -6,7 +6,7 @@ use crate::accel::cells::Space;
 use crate::accel::grid::counted::{BYTES_EACH, Counted, Reference, bytes_of_cells, filled, ones};
 use crate::accel::grid::lattice::{Lattice, cubic};
 use crate::accel::grid::nested::{Blocks, Nested};
-use crate::accel::grid::register::{most_references, register};
+use crate::accel::grid::register::{Register, most_references, register};
 use crate::accel::grid::walk::{LEAST_PADS, PAD};
 use crate::accel::limits::{Site, unlimited};
 use crate::accel::settings::{Setting, Settings};
@@ -17,7 +17,6 @@ use crate::primitive::Primitives;
 use crate::query::Intersect;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
-use core::ops::ControlFlow::{self, Continue};
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
 
@@ -132,9 +131,9 @@ impl<P: Primitives + Sync> Work<'_, P> {
         if !self.take(blocks_bytes, last) {
             return None;
         }
-        let in_blocks = |i: usize, around: &Aabb, put: &mut dyn FnMut(u32) -> ControlFlow<()>| {
+        let in_blocks = |i: usize, around: &Aabb, register: &mut Register<'_>| {
             lattice.overlapped(&self.space, self.primitives, i, around, &mut |block| {
-                put(lattice.number(block) as u32)
+                register.put(lattice.number(block) as u32)
             })
         };
         let Some(parts) = register(self.primitives, &self.site, most, &in_blocks) else {
@@ -149,20 +148,17 @@ impl<P: Primitives + Sync> Work<'_, P> {
             self.site.give(blocks_bytes);
             return None;
         }
-        let in_cells = |i: usize, around: &Aabb, put: &mut dyn FnMut(u32) -> ControlFlow<()>| {
+        let in_cells = |i: usize, around: &Aabb, register: &mut Register<'_>| {
             lattice.overlapped(&self.space, self.primitives, i, around, &mut |place| {
                 let block = blocks.block(lattice.number(place));
                 let inner = lattice.inside(place, block.parts);
-                // Only what lies in the block: a part in one row of cells lies in all of them.
+                // Only what lies in the block, where triangles are cut; boxes take part with all they have.
                 let part = match self.space.is_exact::<P>() {
-                    true => self.space.part(self.primitives, i, &lattice.cell(place)),
+                    true => around.intersection(self.space.padded(&lattice.cell(place))),
                     false => *around,
                 };
-                if part.is_empty() {
-                    return Continue(());
-                }
                 inner.overlapped(&self.space, self.primitives, i, &part, &mut |cell| {
-                    put(block.cell(cell) as u32)
+                    register.put(block.cell(cell) as u32)
                 })
             })
         };
