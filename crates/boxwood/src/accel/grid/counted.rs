@@ -61,7 +61,7 @@ impl Counted {
     /// The primitives of a cell that is filled.
     #[inline(always)]
     pub fn list(&self, cell: usize) -> &[u32] {
-        let place = self.place(cell);
+        let place = place(&self.masks, &self.before, cell);
         &self.primitives[self.starts[place] as usize..self.starts[place + 1] as usize]
     }
     /// How many primitives lie in any cell.
@@ -89,73 +89,219 @@ impl Counted {
             + size_of_val(&*self.primitives)
     }
 
-    #[inline(always)]
-    fn place(&self, cell: usize) -> usize {
-        let below = self.masks[cell / 64] & ((1 << (cell % 64)) - 1);
-        (self.before[cell / 64] + below.count_ones()) as usize
-    }
-
-    /// Makes the lists of `cells` cells. Fewer than 2³² references, each in some order and none twice. Where the build is
-    /// over, what is returned is worth nothing.
-    pub fn of(cells: usize, mut parts: Vec<Vec<Reference>>, site: &Site<'_>) -> Self {
+    /// Makes the lists of `cells` cells. Fewer than 2³² references, in the order of their primitives and none twice. Where
+    /// the build is over, what is returned is worth nothing.
+    pub fn of(cells: usize, parts: Vec<Vec<Reference>>, site: &Site<'_>) -> Self {
+        let mut sorted = Sorted::of(cells, parts, site);
+        let words = cells.div_ceil(64);
         let mut counted = Self {
-            masks: filled(cells, &parts),
+            masks: alloc::vec![0; words],
+            before: alloc::vec![0; words],
             ..Self::default()
         };
-        let mut total = 0;
-        counted.before.reserve_exact(counted.masks.len());
-        for mask in &counted.masks {
-            counted.before.push(total);
-            total += mask.count_ones();
-        }
-        // From here on references name the places of their cells.
-        let mut counts = Vec::new();
-        counts.resize_with(total as usize + 1, || AtomicU32::new(0));
-        let count = |part: &mut Vec<Reference>| {
-            if !site.advance(part.len()) {
-                return;
-            }
-            for reference in part {
-                reference.cell = counted.place(reference.cell as usize) as u32;
-                counts[reference.cell as usize].fetch_add(1, Relaxed);
-            }
-        };
-        #[cfg(feature = "parallel")]
-        parts.par_iter_mut().for_each(count);
-        #[cfg(not(feature = "parallel"))]
-        parts.iter_mut().for_each(count);
+        let marked = every(
+            sorted.ranges(&mut counted.masks, &mut counted.before),
+            |mut range| site.advance(range.references.len()).then(|| range.mark()),
+        );
         if site.is_over() {
             return Self::default();
         }
-        // Each count becomes where the list ends; writing from the end, it becomes where the list begins.
-        let mut end = 0;
-        for count in &mut counts {
-            end += *count.get_mut();
-            *count.get_mut() = end;
+        let filled: usize = marked.iter().flatten().sum();
+        counted.starts = filled_with(filled + 1, || 0);
+        counted.primitives = filled_with(sorted.references.len(), || 0);
+        let mut lists = Vec::with_capacity(marked.len());
+        let (mut starts, mut primitives) = (&mut *counted.starts, &mut *counted.primitives);
+        let (mut places, mut references) = (0, 0);
+        let ranges = sorted.ranges(&mut counted.masks, &mut counted.before);
+        for (range, filled) in ranges.into_iter().zip(marked) {
+            let (filled, count) = (filled.unwrap_or(0), range.references.len());
+            let lists_of_range = Lists {
+                starts: starts.split_off_mut(..filled).unwrap_or_default(),
+                primitives: primitives.split_off_mut(..count).unwrap_or_default(),
+                place: places,
+                first: references,
+                range,
+            };
+            lists.push(lists_of_range);
+            places += filled as u32;
+            references += count as u32;
         }
-        let mut places = Vec::new();
-        places.resize_with(end as usize, || AtomicU32::new(0));
-        let write = |part: &Vec<Reference>| {
-            if !site.advance(part.len()) {
-                return;
+        starts[0] = references;
+        every(lists, |lists| {
+            if site.advance(lists.range.references.len()) {
+                lists.write();
             }
-            for reference in part {
-                let place = counts[reference.cell as usize].fetch_sub(1, Relaxed) - 1;
-                places[place as usize].store(reference.primitive, Relaxed);
-            }
-        };
-        #[cfg(feature = "parallel")]
-        parts.par_iter().for_each(write);
-        #[cfg(not(feature = "parallel"))]
-        parts.iter().for_each(write);
-        drop(parts);
-        counted.starts = counts.into_iter().map(AtomicU32::into_inner).collect();
-        counted.primitives = places.into_iter().map(AtomicU32::into_inner).collect();
-        if !site.is_over() {
-            sort_lists(&counted.starts, 0, &mut counted.primitives);
-        }
+        });
         counted
     }
+}
+
+/// References by ranges of cells, and in each by primitives.
+struct Sorted {
+    references: Vec<[AtomicU32; 2]>,
+    /// How many each range has.
+    counts: Vec<u32>,
+    /// A range has so many words of 64 cells.
+    words: usize,
+}
+
+/// A range of cells.
+struct Range<'a> {
+    masks: &'a mut [u64],
+    before: &'a mut [u32],
+    /// The cells, counted from the first of the range, and the primitives.
+    references: &'a mut [[AtomicU32; 2]],
+}
+
+/// The lists of a range of cells.
+struct Lists<'a> {
+    range: Range<'a>,
+    starts: &'a mut [u32],
+    primitives: &'a mut [u32],
+    /// How many filled cells there are before these, and how many references.
+    place: u32,
+    first: u32,
+}
+
+/// So many references make a range of cells, if they lie evenly: what is done to them is done in a fast cache.
+const IN_A_RANGE: usize = 2048;
+/// There are no more ranges: so many places to write to at once are held by a fast cache as well.
+const MOST_RANGES: usize = 512;
+/// References are put into their ranges by so many tasks.
+const TASKS: usize = 64;
+
+impl Sorted {
+    /// A stable sort: each task counts what it has for each range, so that it knows where to put it.
+    fn of(cells: usize, parts: Vec<Vec<Reference>>, site: &Site<'_>) -> Self {
+        let total: usize = parts.iter().map(Vec::len).sum();
+        let most = (total / IN_A_RANGE).clamp(1, MOST_RANGES);
+        let words = cells.div_ceil(64).div_ceil(most).next_power_of_two();
+        let width = 64 * words;
+        let shift = width.trailing_zeros();
+        let tasks = || parts.chunks(parts.len().div_ceil(TASKS).max(1));
+        let mut tables = every(tasks().collect(), |parts| {
+            let mut counts = alloc::vec![0_u32; cells.div_ceil(width)];
+            for reference in parts.iter().flatten() {
+                counts[(reference.cell >> shift) as usize] += 1;
+            }
+            counts
+        });
+        let (mut counts, mut end) = (Vec::with_capacity(cells.div_ceil(width)), 0);
+        for range in 0..cells.div_ceil(width) {
+            let start = end;
+            for table in &mut tables {
+                end += core::mem::replace(&mut table[range], end);
+            }
+            counts.push(end - start);
+        }
+        let references = filled_with(total, <[AtomicU32; 2]>::default);
+        every(tasks().zip(tables).collect(), |(parts, mut next)| {
+            for part in parts {
+                if !site.advance(part.len()) {
+                    return;
+                }
+                for reference in part {
+                    let next = &mut next[(reference.cell >> shift) as usize];
+                    let [cell, primitive] = &references[*next as usize];
+                    cell.store(reference.cell % width as u32, Relaxed);
+                    primitive.store(reference.primitive, Relaxed);
+                    *next += 1;
+                }
+            }
+        });
+        Self {
+            references,
+            counts,
+            words,
+        }
+    }
+
+    fn ranges<'a>(&'a mut self, masks: &'a mut [u64], before: &'a mut [u32]) -> Vec<Range<'a>> {
+        let mut left = &mut *self.references;
+        let words = masks
+            .chunks_mut(self.words)
+            .zip(before.chunks_mut(self.words));
+        words
+            .zip(&self.counts)
+            .map(|((masks, before), &count)| Range {
+                masks,
+                before,
+                references: left.split_off_mut(..count as usize).unwrap_or_default(),
+            })
+            .collect()
+    }
+}
+
+impl Range<'_> {
+    /// Marks the filled cells, and counts them.
+    fn mark(&mut self) -> usize {
+        for [cell, _] in &mut *self.references {
+            let cell = *cell.get_mut();
+            self.masks[cell as usize / 64] |= 1 << (cell % 64);
+        }
+        let mut filled = 0;
+        for (mask, before) in self.masks.iter().zip(&mut *self.before) {
+            *before = filled;
+            filled += mask.count_ones();
+        }
+        filled as usize
+    }
+}
+
+impl Lists<'_> {
+    fn write(self) {
+        let Range {
+            masks,
+            before,
+            references,
+        } = self.range;
+        for [cell, _] in &mut *references {
+            let at = *cell.get_mut();
+            let place = place(masks, before, at as usize) as u32;
+            *cell.get_mut() = place;
+            self.starts[place as usize] += 1;
+        }
+        // Each count becomes where the list ends; writing from the end, it becomes where the list begins.
+        let mut end = 0;
+        for start in &mut *self.starts {
+            end += *start;
+            *start = end;
+        }
+        for [place, primitive] in references.iter_mut().rev() {
+            let start = &mut self.starts[*place.get_mut() as usize];
+            *start -= 1;
+            self.primitives[*start as usize] = *primitive.get_mut();
+        }
+        for start in self.starts {
+            *start += self.first;
+        }
+        for before in before {
+            *before += self.place;
+        }
+    }
+}
+
+/// The place of a filled cell: how many there are before it.
+#[inline(always)]
+fn place(masks: &[u64], before: &[u32], cell: usize) -> usize {
+    let below = masks[cell / 64] & ((1 << (cell % 64)) - 1);
+    (before[cell / 64] + below.count_ones()) as usize
+}
+
+/// What `what` makes of every item, by as many threads as there are.
+fn every<T: Send, R: Send>(items: Vec<T>, what: impl Fn(T) -> R + Sync + Send) -> Vec<R> {
+    #[cfg(feature = "parallel")]
+    return items.into_par_iter().map(what).collect();
+    #[cfg(not(feature = "parallel"))]
+    return items.into_iter().map(what).collect();
+}
+
+/// A list of so many, written by as many threads as there are.
+fn filled_with<T: Send>(count: usize, with: impl Fn() -> T + Sync + Send) -> Vec<T> {
+    #[cfg(feature = "parallel")]
+    return (0..count).into_par_iter().map(|_| with()).collect();
+    #[cfg(not(feature = "parallel"))]
+    return (0..count).map(|_| with()).collect();
 }
 
 /// A bit for every cell that is named.
@@ -181,23 +327,6 @@ pub(crate) fn filled(cells: usize, parts: &[Vec<Reference>]) -> Vec<u64> {
         .iter()
         .map(|[low, high]| half(low) | half(high) << 32)
         .collect()
-}
-
-/// Sorts each of the lists that begin at `starts`, counted from `base`; what is sorted is where they lie.
-fn sort_lists(starts: &[u32], base: u32, lists: &mut [u32]) {
-    #[cfg(feature = "parallel")]
-    if starts.len() > 4096 {
-        let middle = starts.len() / 2;
-        let (left, right) = lists.split_at_mut((starts[middle] - base) as usize);
-        rayon::join(
-            || sort_lists(&starts[..=middle], base, left),
-            || sort_lists(&starts[middle..], starts[middle], right),
-        );
-        return;
-    }
-    for list in starts.windows(2) {
-        lists[(list[0] - base) as usize..(list[1] - base) as usize].sort_unstable();
-    }
 }
 
 /// How many bits are set from one number up to before another.

@@ -188,7 +188,10 @@ impl Slope {
 
     #[inline]
     fn over(&self, [a0, a1]: Span, [b0, b1]: Span) -> Span {
-        let (a, b) = ([self.by[0] * a0, self.by[0] * a1], [self.by[1] * b0, self.by[1] * b1]);
+        let (a, b) = (
+            [self.by[0] * a0, self.by[0] * a1],
+            [self.by[1] * b0, self.by[1] * b1],
+        );
         [
             self.at[0] + least(a[0], a[1]) + least(b[0], b[1]),
             self.at[1] + most(a[0], a[1]) + most(b[0], b[1]),

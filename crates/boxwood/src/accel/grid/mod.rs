@@ -20,8 +20,8 @@
 mod bisect;
 mod bricks;
 mod build;
-mod cover;
 pub(super) mod counted;
+mod cover;
 pub(super) mod lattice;
 pub(super) mod nested;
 pub(super) mod register;
