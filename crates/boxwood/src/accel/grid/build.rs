@@ -64,8 +64,10 @@ impl GridBuilder {
         primitives: &(impl Primitives + Sync),
         limits: &Limits<'_>,
     ) -> Result<Grid, BuildError> {
-        let site = Site::new(limits, 3 * primitives.len());
-        let space = Space::of(primitives).with_pad(PAD);
+        // Looking at each primitive, and about seven references of each, which are made and then passed three times.
+        let n = primitives.len();
+        let site = Site::new(limits, n.saturating_mul(23));
+        let space = Space::within(primitives, &site, n).with_pad(PAD);
         let thinnest = LEAST_PADS * f64::from(space.pad());
         let around = Lattice::around(&space);
         let mut lattice = match self.resolution {

@@ -2,10 +2,11 @@
 //!
 //! *How it works.* Cells are numbered, and a bit tells of each whether anything lies in it. The filled ones are counted
 //! through: 64 bits and the number of filled cells before them give a cell its place, and the place the beginning of its
-//! list. Building counts the references of every cell, adds the counts up and then writes each reference where it
-//! belongs. Many threads may do both at once; lists are sorted afterwards, so that nothing depends on who came first.
+//! list. Building first sorts the references into ranges of cells. Then the references of every cell of a range are
+//! counted, the counts are added up and each reference is written where it belongs. Many threads may do so at once: each
+//! has tasks or ranges for itself, and what it makes does not depend on the others.
 //!
-//! *Cost.* 12 bytes per 64 cells, 4 per filled cell, 4 per reference; while building 8 bytes more per reference.
+//! *Cost.* 12 bytes per 64 cells, 4 per filled cell, 4 per reference; while building 12 bytes more per reference.
 //!
 //! *Source.* Lagae & Dutré 2008, *Compact, Fast and Robust Grids for Ray Tracing*: counting, prefix sums and one array.
 //! Theirs has 4 bytes for every cell; bits with counts are Jacobson 1989.
@@ -35,8 +36,9 @@ pub(crate) struct Counted {
     primitives: Vec<u32>,
 }
 
-/// Bytes for each reference while lists are built: itself, its place in a list, and a list of its own at the worst.
-pub(crate) const BYTES_EACH: usize = size_of::<Reference>() + 2 * size_of::<u32>();
+/// Bytes for each reference while lists are built: itself, and once more while it is sorted; afterwards its place in a
+/// list, and a list of its own at the worst.
+pub(crate) const BYTES_EACH: usize = 2 * size_of::<Reference>();
 
 /// Bytes for so many cells with nothing in them.
 pub(crate) fn bytes_of_cells(cells: usize) -> usize {
@@ -302,6 +304,11 @@ fn filled_with<T: Send>(count: usize, with: impl Fn() -> T + Sync + Send) -> Vec
     return (0..count).into_par_iter().map(|_| with()).collect();
     #[cfg(not(feature = "parallel"))]
     return (0..count).map(|_| with()).collect();
+}
+
+/// Bytes that [`filled`] takes: the bits, twice while they are gathered.
+pub(crate) fn bytes_of_filled(cells: usize) -> usize {
+    cells.div_ceil(64) * 2 * size_of::<u64>()
 }
 
 /// A bit for every cell that is named.

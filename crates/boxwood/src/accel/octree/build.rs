@@ -42,6 +42,8 @@ const BUDGET_EACH: usize = 96;
 const BUDGET_BASE: usize = 4096;
 /// The units of work of a whole build, for those who watch: divided among the cells by their primitives.
 const WORK: usize = 1 << 30;
+/// Those of looking where the primitives lie.
+const LOOKING: usize = WORK / 32;
 /// So that places have 32 bits.
 const MOST_BYTES: usize = if usize::BITS > 32 {
     4 * (u32::MAX as usize)
@@ -65,7 +67,7 @@ impl OctreeBuilder {
         limits: &Limits<'_>,
     ) -> Result<OctreeData, BuildError> {
         let site = Site::new(limits, WORK);
-        let space = Space::of(primitives);
+        let space = Space::within(primitives, &site, LOOKING);
         let mut data = OctreeData {
             root: Place::root(&space.world, self.axes),
             space,
@@ -74,7 +76,10 @@ impl OctreeBuilder {
             primitives: primitives.len(),
         };
         let n = primitives.len();
-        if data.space.world.is_empty() || !site.take(size_of::<Item>().saturating_mul(n)) {
+        if data.space.world.is_empty()
+            || site.is_over()
+            || !site.take(size_of::<Item>().saturating_mul(n))
+        {
             return site.finish(data);
         }
         let mut items = Vec::with_capacity(n);
@@ -104,7 +109,7 @@ impl OctreeBuilder {
             bounds: data.root.bounds(&data.space.world).union(data.space.world),
             depth: 0,
             budget,
-            units: WORK,
+            units: WORK - LOOKING,
         };
         let mut part = Part::default();
         if site.reserve(&mut part.nodes, 1) {

@@ -102,11 +102,12 @@ impl<'a, P: Primitives> Octants<'a, P> {
         let Some(corners) = self.primitives.corners(i) else {
             return self.held(i, octants);
         };
-        let seen = corners.map(|p| {
-            let [x, y, z] = p.to_array().map(f64::from);
-            let [u, v, w] = self.middle.to_array().map(f64::from);
-            [x - u, y - v, z - w]
-        });
+        let mut seen = [[0.0; 3]; 3];
+        for (seen, corner) in seen.iter_mut().zip(corners) {
+            for (axis, x) in seen.iter_mut().enumerate() {
+                *x = f64::from(corner[axis]) - f64::from(self.middle[axis]);
+            }
+        }
         if inside && astride == 2 {
             // Seen along the third axis, quadrants without an outer end are held against a triangle.
             return self.along(one_side, &seen, octants);
@@ -140,13 +141,18 @@ impl<'a, P: Primitives> Octants<'a, P> {
     #[inline]
     fn above_and_below(&self, corners: &[[f64; 3]; 3], octants: u8) -> u8 {
         let [p, q, r] = corners;
-        let edge = |to: &[f64; 3], k: usize| to[k] - p[k];
-        let of = |j: usize, k: usize| edge(q, j) * edge(r, k) - edge(q, k) * edge(r, j);
-        let normal = [of(1, 2), of(2, 0), of(0, 1)];
+        let (d, e) = (less(q, p), less(r, p));
+        let normal = [
+            d[1] * e[2] - d[2] * e[1],
+            d[2] * e[0] - d[0] * e[2],
+            d[0] * e[1] - d[1] * e[0],
+        ];
         // But for rounding the same for all three; by their shadow, the line is a true one whatever its direction.
-        let [u, v, w] = corners.map(|p| normal[0] * p[0] + normal[1] * p[1] + normal[2] * p[2]);
+        let (u, v, w) = (dot(&normal, p), dot(&normal, q), dot(&normal, r));
         let (from, to) = (least(least(u, v), w), most(most(u, v), w));
-        let [x, y, z] = [0, 1, 2].map(|k| shadows(normal[k], &self.halves[k]));
+        let x = shadows(normal[0], &self.halves[0]);
+        let y = shadows(normal[1], &self.halves[1]);
+        let z = shadows(normal[2], &self.halves[2]);
         let mut missed = 0;
         for (i, z) in z.iter().enumerate() {
             for (j, y) in y.iter().enumerate() {
@@ -227,6 +233,16 @@ fn shadows(line: f64, halves: &[Span; 2]) -> [Span; 2] {
     } else {
         [[line * a, line * b], [line * c, line * d]]
     }
+}
+
+#[inline(always)]
+fn less(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]
