@@ -1,25 +1,14 @@
 //! In which cells of a lattice a primitive lies.
 //!
 //! *How it works.* Where a primitive's box spans cells on one axis only, it lies in all of them. A triangle in more is gone
-//! through row by row: the cells of a row that a convex shape meets are in one piece, from the least to the greatest
-//! coordinate of its part in that row. By the theorem of the separating axis, these are bounded by four things: the
-//! triangle's shadow along each of the other two axes, its plane, and the triangle itself. The shadows are found from the
-//! edges that cross a slab, the plane from its slopes; nothing is cut.
-//!
-//! *Cost.* A few dozen operations for a slab and for a row, two for a cell.
-//!
-//! *Source.* The bounds are those of Akenine-Möller 2001, *Fast 3D Triangle-Box Overlap Testing*, solved for the coordinate
-//! along the row; slabs and rows as in Kaufman 1987, *Efficient Algorithms for 3D Scan-Conversion of Parametric Curves,
-//! Surfaces, and Volumes*.
+//! through [row by row](super::rows). Anything else that is exact is asked itself, by halves of the range of cells.
 
 use super::lattice::{Lattice, Range};
+use super::rows::Rows;
 use crate::accel::cells::Space;
-use crate::geometry::{Aabb, Vec3};
+use crate::geometry::Aabb;
 use crate::primitive::Primitives;
 use core::ops::ControlFlow::{self, Continue};
-
-/// The least and the greatest value.
-type Span = [f64; 2];
 
 impl Lattice {
     /// Shows every cell that primitive `i` lies in and that, padded, meets `around`: its box, or less where the rest is
@@ -91,219 +80,15 @@ fn each(range: &Range, show: &mut impl FnMut([u32; 3]) -> ControlFlow<()>) -> Co
     Continue(())
 }
 
-/// A triangle's shadow on a plane of two axes: over each place on the first, how far it reaches on the second.
-struct Shadow {
-    /// The corners' places on the first axis, ascending.
-    x: [f64; 3],
-    /// On the second.
-    y: [f64; 3],
-    /// One over the difference of places, from the lowest to the highest, to the middle one, and from there: 0 where
-    /// there is none.
-    per: [f64; 3],
-    /// How far it reaches in all.
-    whole: Span,
-}
-
-impl Shadow {
-    fn of(corners: &[[f64; 3]; 3], along: usize, across: usize) -> Self {
-        let [mut a, mut b, mut c] = corners.map(|p| (p[along], p[across]));
-        if b.0 < a.0 {
-            (a, b) = (b, a);
-        }
-        if c.0 < b.0 {
-            (b, c) = (c, b);
-        }
-        if b.0 < a.0 {
-            (a, b) = (b, a);
-        }
-        let per = |from: f64, to: f64| if to > from { 1.0 / (to - from) } else { 0.0 };
-        Self {
-            x: [a.0, b.0, c.0],
-            y: [a.1, b.1, c.1],
-            per: [per(a.0, c.0), per(a.0, b.0), per(b.0, c.0)],
-            whole: [least(least(a.1, b.1), c.1), most(most(a.1, b.1), c.1)],
-        }
-    }
-
-    /// How far it reaches over an interval, which has places of the triangle in it.
-    #[inline]
-    fn over(&self, [from, to]: Span) -> Span {
-        let ([x0, x1, x2], [y0, y1, y2]) = (self.x, self.y);
-        if from <= x0 && x2 <= to {
-            return self.whole;
-        }
-        let mut reach = [f64::INFINITY, f64::NEG_INFINITY];
-        for (x, y) in [(x0, y0), (x1, y1), (x2, y2)] {
-            if from <= x && x <= to {
-                reach = [least(reach[0], y), most(reach[1], y)];
-            }
-        }
-        for x in [most(from, x0), least(to, x2)] {
-            let long = y0 + (y2 - y0) * ((x - x0) * self.per[0]);
-            let short = if x < x1 {
-                y0 + (y1 - y0) * ((x - x0) * self.per[1])
-            } else {
-                y1 + (y2 - y1) * ((x - x1) * self.per[2])
-            };
-            reach = [
-                least(reach[0], least(long, short)),
-                most(reach[1], most(long, short)),
-            ];
-        }
-        reach
-    }
-}
-
-/// A triangle above a plane of two axes: between which bounds its third coordinate lies over a rectangle.
-struct Slope {
-    /// How steep it is along the two axes.
-    by: [f64; 2],
-    /// The third coordinate less what the slopes make of the other two: the same for all corners but for rounding.
-    at: Span,
-}
-
-/// A plane that is steeper than this says nothing of the third coordinate that its shadows do not, and what it says is
-/// more rounding than the pad allows for.
-const STEEPEST: f64 = (1 << 20) as f64;
-
-impl Slope {
-    /// Any slopes give true bounds, so rounding of the normal does no harm. Flat ones where the plane is too steep.
-    fn of(corners: &[[f64; 3]; 3], [a, b, row]: [usize; 3]) -> Self {
-        let [p, q, r] = corners;
-        let edge = |to: &[f64; 3], k: usize| to[k] - p[k];
-        // The components of the normal.
-        let of = |j: usize, k: usize| edge(q, j) * edge(r, k) - edge(q, k) * edge(r, j);
-        let (na, nb, nc) = (of(b, row), of(row, a), of(a, b));
-        let by = if most(na.abs(), nb.abs()) < STEEPEST * nc.abs() {
-            [-na / nc, -nb / nc]
-        } else {
-            [0.0; 2]
-        };
-        let [u, v, w] = corners.map(|p| p[row] - by[0] * p[a] - by[1] * p[b]);
-        Self {
-            by,
-            at: [least(least(u, v), w), most(most(u, v), w)],
-        }
-    }
-
-    #[inline]
-    fn over(&self, [a0, a1]: Span, [b0, b1]: Span) -> Span {
-        let (a, b) = (
-            [self.by[0] * a0, self.by[0] * a1],
-            [self.by[1] * b0, self.by[1] * b1],
-        );
-        [
-            self.at[0] + least(a[0], a[1]) + least(b[0], b[1]),
-            self.at[1] + most(a[0], a[1]) + most(b[0], b[1]),
-        ]
-    }
-}
-
-/// The rows of cells that a triangle may lie in.
-struct Rows<'a> {
-    lattice: &'a Lattice,
-    pad: f64,
-    range: Range,
-    corners: [[f64; 3]; 3],
-    /// Across slabs, across rows, and along them.
-    axes: [usize; 3],
-}
-
-impl<'a> Rows<'a> {
-    #[inline]
-    fn of(corners: [Vec3; 3], lattice: &'a Lattice, pad: f64, range: Range) -> Self {
-        // Rows along the axis with the most cells, in slabs across the one with the fewest.
-        let [x, y, z] = range.map(|[first, last]| last - first);
-        let mut axes = [0, 1, 2];
-        let mut sort = |i: usize, j: usize| {
-            let span = |axis: usize| [x, y, z][axis];
-            if span(axes[j]) < span(axes[i]) {
-                axes.swap(i, j);
-            }
-        };
-        sort(0, 1);
-        sort(1, 2);
-        sort(0, 1);
-        Self {
-            lattice,
-            pad,
-            range,
-            corners: corners.map(|p| p.to_array().map(f64::from)),
-            axes,
-        }
-    }
-
-    /// A padded cell's interval on an axis.
-    #[inline]
-    fn cell(&self, axis: usize, number: u32) -> Span {
-        let lattice = self.lattice;
-        [
-            lattice.plane(axis, number) - self.pad,
-            lattice.plane(axis, number + 1) + self.pad,
-        ]
-    }
-
-    /// The cells of the range that, padded, meet an interval: none where the second is less than the first.
-    #[inline]
-    fn meet(&self, axis: usize, [from, to]: Span) -> [u32; 2] {
-        let (lattice, [first, last]) = (self.lattice, self.range[axis]);
-        let at = |x: f64| (x - lattice.lower[axis]) / lattice.size[axis];
-        let (from, to) = (at(from - self.pad), at(to + self.pad));
-        if !(to >= f64::from(first)) {
-            return [1, 0];
-        }
-        [(from as u32).max(first), (to as u32).min(last)]
-    }
-
-    #[inline]
-    fn each(&self, show: &mut impl FnMut([u32; 3]) -> ControlFlow<()>) -> ControlFlow<()> {
-        let [slab, other, row] = self.axes;
-        let others = Shadow::of(&self.corners, slab, other);
-        let rows = Shadow::of(&self.corners, slab, row);
-        let across = Shadow::of(&self.corners, other, row);
-        let slope = Slope::of(&self.corners, [slab, other, row]);
-        let mut cell = [0; 3];
-        for s in self.range[slab][0]..=self.range[slab][1] {
-            let in_slab = self.cell(slab, s);
-            let by_slab = rows.over(in_slab);
-            let [first, last] = self.meet(other, others.over(in_slab));
-            (cell[slab]) = s;
-            for o in first..=last {
-                let in_row = self.cell(other, o);
-                let (by_row, by_plane) = (across.over(in_row), slope.over(in_slab, in_row));
-                let from = most(most(by_slab[0], by_row[0]), by_plane[0]);
-                let to = least(least(by_slab[1], by_row[1]), by_plane[1]);
-                let [first, last] = self.meet(row, [from, to]);
-                cell[other] = o;
-                for r in first..=last {
-                    cell[row] = r;
-                    show(cell)?;
-                }
-            }
-        }
-        Continue(())
-    }
-}
-
-#[inline(always)]
-fn least(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn most(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::TriangleMesh;
+    use crate::geometry::PreparedRay;
+    use crate::query::{Counters, Query};
     use alloc::vec::Vec;
 
-    /// Both ways of finding a triangle's cells against the plain one.
-    #[test]
-    fn cells_are_those_that_hold_the_triangle() {
+    fn triangles(count: u32) -> TriangleMesh {
         let mut state = 7_u64;
         let mut coordinate = move || {
             state = state
@@ -311,38 +96,120 @@ mod tests {
                 .wrapping_add(1);
             (state >> 33) as f32 / (1_u64 << 31) as f32
         };
-        let positions: Vec<[f32; 3]> = (0..600)
+        let positions: Vec<[f32; 3]> = (0..3 * count)
             .map(|i| {
                 let size = if i % 6 < 3 { 1.0 } else { 0.2 };
                 [(); 3].map(|()| coordinate() * size)
             })
             .collect();
-        let triangles = (0..200_u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
-        let mesh = TriangleMesh::new(positions, triangles).expect("a good mesh");
+        let triangles = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+        TriangleMesh::new(positions, triangles).expect("a good mesh")
+    }
+
+    /// What is found in a lattice, and what holds the primitive by the plain test.
+    fn found_and_held<P: Primitives>(
+        lattice: &Lattice,
+        space: &Space,
+        primitives: &P,
+        i: usize,
+        around: &Aabb,
+    ) -> [Vec<[u32; 3]>; 2] {
+        let mut found = Vec::new();
+        let ended = lattice.overlapped(space, primitives, i, around, &mut |cell| {
+            found.push(cell);
+            Continue(())
+        });
+        assert!(ended.is_continue());
+        found.sort_unstable();
+        let cells = (0..lattice.cells() as usize).map(|number| lattice.place(number));
+        let mut held: Vec<_> = cells
+            .filter(|&cell| space.holds(primitives, i, &lattice.cell(cell)))
+            .collect();
+        held.sort_unstable();
+        [found, held]
+    }
+
+    #[test]
+    fn cells_are_those_that_hold_the_triangle() {
+        let mesh = triangles(200);
         let space = Space::of(&mesh).with_pad(320.0);
         let lattice = Lattice::around(&space).divided([9, 7, 11], 1.0e-6);
-        let mut most = 0;
+        let (mut most, mut inside) = (0, 0);
         for i in 0..200 {
             let around = mesh.bounds(i);
-            let mut found = Vec::new();
-            let mut show = |cell| {
-                found.push(cell);
-                Continue(())
-            };
-            let ended = lattice.overlapped(&space, &mesh, i, &around, &mut show);
-            assert!(ended.is_continue());
-            let mut expected = Vec::new();
-            for number in 0..9 * 7 * 11 {
-                let cell = lattice.place(number);
-                if space.holds(&mesh, i, &lattice.cell(cell)) {
-                    expected.push(cell);
-                }
-            }
-            found.sort_unstable();
-            expected.sort_unstable();
-            assert_eq!(found, expected, "triangle {i}");
+            let [found, held] = found_and_held(&lattice, &space, &mesh, i, &around);
+            assert_eq!(found, held, "triangle {i}");
             most = most.max(found.len());
+            // The cells of a cell: most of the triangle lies elsewhere.
+            for &cell in found.iter().take(8) {
+                let inner = lattice.inside(cell, [3, 4, 2]);
+                let part = around.intersection(space.padded(&lattice.cell(cell)));
+                let [found, held] = found_and_held(&inner, &space, &mesh, i, &part);
+                assert_eq!(found, held, "triangle {i} in {cell:?}");
+                inside += found.len();
+            }
         }
-        assert!(most > 50, "{most}");
+        assert!(most > 50 && inside > 2000, "{most} {inside}");
+    }
+
+    /// Exact, but not known to be triangles.
+    struct Unknown(TriangleMesh);
+
+    impl Primitives for Unknown {
+        fn len(&self) -> usize {
+            self.0.len()
+        }
+        fn bounds(&self, i: usize) -> Aabb {
+            self.0.bounds(i)
+        }
+        fn overlaps(&self, i: usize, within: &Aabb) -> bool {
+            self.0.overlaps(i, within)
+        }
+        fn offer<Q: Query, C: Counters>(
+            &self,
+            i: usize,
+            ray: &PreparedRay,
+            query: &mut Q,
+            counters: &mut C,
+        ) -> ControlFlow<()> {
+            self.0.offer(i, ray, query, counters)
+        }
+        const WITHIN_SLACK: bool = true;
+    }
+
+    #[test]
+    fn other_shapes_are_asked_themselves() {
+        let unknown = Unknown(triangles(60));
+        let space = Space::of(&unknown).with_pad(320.0);
+        let lattice = Lattice::around(&space).divided([6, 5, 7], 1.0e-6);
+        for i in 0..60 {
+            let around = unknown.bounds(i);
+            let [found, held] = found_and_held(&lattice, &space, &unknown, i, &around);
+            assert_eq!(found, held, "shape {i}");
+        }
+    }
+
+    /// Corners in a line or in a point, along axes and askew: their normals are rounding, if anything.
+    #[test]
+    fn triangles_without_area_lie_where_their_corners_do() {
+        let positions = [
+            [0.1, 0.2, 0.3],
+            [0.7, 0.9, 0.4],
+            [1.3, 1.6, 0.5],
+            [0.7, 0.2, 0.3],
+        ];
+        let lines: [[u32; 3]; 5] = [[0, 2, 1], [0, 0, 2], [0, 3, 3], [1, 1, 1], [2, 3, 2]];
+        let mesh = TriangleMesh::new(positions, lines).expect("a good mesh");
+        let space = Space::of(&mesh).with_pad(320.0);
+        let lattice = Lattice::around(&space).divided([8; 3], 1.0e-6);
+        for i in 0..lines.len() {
+            let around = mesh.bounds(i);
+            let [found, held] = found_and_held(&lattice, &space, &mesh, i, &around);
+            assert_eq!(found, held, "line {i}");
+            for corner in mesh.corners(i).expect("triangles") {
+                let at = lattice.range(&Aabb::new(corner, corner), 0.0);
+                assert!(found.contains(&at.map(|[first, _]| first)));
+            }
+        }
     }
 }

@@ -25,7 +25,9 @@ mod cover;
 pub(super) mod lattice;
 pub(super) mod nested;
 pub(super) mod register;
+mod rows;
 mod settings;
+mod sorted;
 pub(super) mod walk;
 
 pub use build::GridBuilder;

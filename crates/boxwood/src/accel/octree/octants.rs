@@ -9,7 +9,9 @@
 
 use crate::accel::Axes;
 use crate::accel::cells::Space;
+use crate::geometry::double::{cross, dot, sub};
 use crate::geometry::{Aabb, Vec3};
+use crate::math::{least, most};
 use crate::primitive::Primitives;
 
 /// The least and the greatest value.
@@ -140,15 +142,10 @@ impl<'a, P: Primitives> Octants<'a, P> {
     /// Those of the octants that the triangle's plane passes through.
     #[inline]
     fn above_and_below(&self, corners: &[[f64; 3]; 3], octants: u8) -> u8 {
-        let [p, q, r] = corners;
-        let (d, e) = (less(q, p), less(r, p));
-        let normal = [
-            d[1] * e[2] - d[2] * e[1],
-            d[2] * e[0] - d[0] * e[2],
-            d[0] * e[1] - d[1] * e[0],
-        ];
+        let [p, q, r] = *corners;
+        let normal = cross(sub(q, p), sub(r, p));
         // But for rounding the same for all three; by their shadow, the line is a true one whatever its direction.
-        let (u, v, w) = (dot(&normal, p), dot(&normal, q), dot(&normal, r));
+        let (u, v, w) = (dot(normal, p), dot(normal, q), dot(normal, r));
         let (from, to) = (least(least(u, v), w), most(most(u, v), w));
         let x = shadows(normal[0], &self.halves[0]);
         let y = shadows(normal[1], &self.halves[1]);
@@ -235,22 +232,60 @@ fn shadows(line: f64, halves: &[Span; 2]) -> [Span; 2] {
     }
 }
 
-#[inline(always)]
-fn less(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::TriangleMesh;
+    use alloc::vec::Vec;
 
-#[inline(always)]
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
+    /// All eight at once against one after the other.
+    #[test]
+    fn octants_are_those_that_hold_the_triangle() {
+        let mut state = 5_u64;
+        let mut coordinate = move |size: f32| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            ((state >> 33) as f32 / (1_u64 << 31) as f32 - 0.5) * size
+        };
+        let mut positions: Vec<[f32; 3]> = Vec::new();
+        for size in [0.3, 1.0, 8.0] {
+            positions.extend((0..1200).map(|_| [(); 3].map(|()| coordinate(size))));
+        }
+        let triangles = (0..1200_u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+        let mesh = TriangleMesh::new(positions, triangles).expect("a good mesh");
+        let space = Space::of(&mesh);
+        let (mut asked, mut by_number) = (0, [0; 9]);
+        for axes in [Axes::XYZ, Axes::XY] {
+            let bounds = Aabb::new([-0.5; 3], [0.5; 3]);
+            let middle = match axes.has(2) {
+                true => Vec3::ZERO,
+                false => Vec3::new(0.0, 0.0, 0.5),
+            };
+            let octants = Octants::of(&mesh, &space, &bounds, middle, axes);
+            for i in (0..mesh.len()).filter(|&i| space.holds(&mesh, i, &bounds)) {
+                let found = octants.overlapped(i, &mesh.bounds(i));
+                let mut held = 0;
+                for octant in (0..8).filter(|octant| axes.has(2) || octant >> 2 == 0) {
+                    let octant_bounds = octant_bounds(&bounds, middle, octant);
+                    held |= u8::from(space.holds(&mesh, i, &octant_bounds)) << octant;
+                }
+                assert_eq!(found, held, "triangle {i}");
+                asked += 1;
+                by_number[found.count_ones() as usize] += 1;
+            }
+        }
+        assert!(
+            asked > 1500 && by_number[1..8].iter().all(|&n| n > 20),
+            "{by_number:?}"
+        );
+    }
 
-#[inline(always)]
-fn least(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn most(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
+    #[test]
+    fn quadrants_are_pairs_of_octants() {
+        assert_eq!(QUADRANTS[0][0b0001], 0b0000_0011);
+        assert_eq!(QUADRANTS[1][0b0010], 0b0101_0000);
+        assert_eq!(QUADRANTS[2][0b1000], 0b1000_1000);
+        assert!((0..3).all(|axis| QUADRANTS[axis][15] == 0xff));
+    }
 }

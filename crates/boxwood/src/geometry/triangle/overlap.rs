@@ -8,10 +8,9 @@
 //! *Source.* Akenine-Möller 2001, *Fast 3D Triangle-Box Overlap Testing*; Sutherland & Hodgman 1974, *Reentrant Polygon
 //! Clipping*.
 
+use crate::geometry::double::{Double3 as Point, cross, dot, sub};
 use crate::geometry::ray::round_down;
 use crate::geometry::{Aabb, Vec3};
-
-type Point = [f64; 3];
 
 /// Whether they share a point; touching counts. An empty box overlaps nothing.
 pub fn overlaps(triangle: [Vec3; 3], b: &Aabb) -> bool {
@@ -139,20 +138,6 @@ impl Polygon {
             self.count += 1;
         }
     }
-}
-
-fn sub(a: Point, b: Point) -> Point {
-    core::array::from_fn(|k| a[k] - b[k])
-}
-fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-fn cross(a: Point, b: Point) -> Point {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
 }
 
 #[cfg(test)]
