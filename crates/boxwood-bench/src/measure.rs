@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::fmt;
+use std::hint::black_box;
 use std::time::Instant;
 
 /// What is asked of a ray.
@@ -45,6 +46,28 @@ impl fmt::Display for Question {
 pub struct Ready<'a> {
     pub name: String,
     pub built: Box<dyn Built + 'a>,
+}
+
+/// How quiet the machine was meanwhile.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Noise {
+    /// By how much of itself the core's clock rose or fell between rounds.
+    pub clock_drift: f64,
+    /// The share of the time in which the thread had to wait for others; `None` where several trace.
+    pub waited: Option<f64>,
+}
+
+/// Multiplications, each waiting for the one before, whose time tells the core's clock: about 3 ms.
+const CHAIN: u32 = 2_000_000;
+
+/// Seconds for the chain.
+fn clock() -> f64 {
+    let start = thread_seconds();
+    let product = (0..CHAIN).fold(black_box(3_u64), |x, _| {
+        black_box(x).wrapping_mul(0x9e37_79b9)
+    });
+    black_box(product);
+    thread_seconds() - start
 }
 
 /// Rays of one kind with the right answers.
@@ -148,7 +171,7 @@ pub fn measure(
     question: Question,
     rounds: u32,
     answers: &mut Answers,
-) -> Outcome<Vec<Turns>> {
+) -> Outcome<(Vec<Turns>, Noise)> {
     answers.hits.resize(workload.rays.len(), None);
     answers.occluded.resize(workload.rays.len(), false);
     let mut players = Vec::new();
@@ -160,7 +183,10 @@ pub fn measure(
             players.push(player(mesh, each, way, workload, question, answers)?);
         }
     }
+    let mut chains = Vec::new();
+    let (wall, own) = (Instant::now(), thread_seconds());
     for _ in 0..rounds {
+        chains.push(clock());
         for player in &mut players {
             let seconds = clocked(
                 player.built,
@@ -174,7 +200,16 @@ pub fn measure(
             player.turns.nanoseconds.push(per_ray.max(1e-3));
         }
     }
-    Ok(players.into_iter().map(|player| player.turns).collect())
+    let (least, most) = chains
+        .iter()
+        .fold((f64::INFINITY, 0.0_f64), |(a, b), &x| (a.min(x), b.max(x)));
+    let share = (thread_seconds() - own) / wall.elapsed().as_secs_f64().max(1e-9);
+    let noise = Noise {
+        clock_drift: most / least.max(1e-9) - 1.0,
+        waited: (rayon::current_num_threads() == 1).then_some((1.0 - share).max(0.0)),
+    };
+    let turns = players.into_iter().map(|player| player.turns);
+    Ok((turns.collect(), noise))
 }
 
 /// Chooses a contestant's rays, checks its answers and counts its steps.
@@ -360,7 +395,8 @@ mod tests {
         for question in Question::ALL {
             let mut answers = Answers::default();
             let turns = measure(&subject.mesh, &ready, &workload, question, 3, &mut answers);
-            let turns = turns.expect("all agree");
+            let (turns, noise) = turns.expect("all agree");
+            assert!(noise.clock_drift >= 0.0 && noise.waited.is_none_or(|w| w <= 1.0));
             assert_eq!(turns.len(), 2);
             assert!(
                 turns

@@ -1,7 +1,7 @@
 //! What was found, as it is written to JSON, and the figures that are made of it.
 
 use crate::machine::Machine;
-use crate::measure::{Question, Turns};
+use crate::measure::{Noise, Question, Turns};
 use crate::peers::Way;
 use serde::Serialize;
 
@@ -50,6 +50,7 @@ pub struct Series {
     pub question: Question,
     pub count: usize,
     pub hits: usize,
+    pub noise: Noise,
     pub turns: Vec<Turns>,
     pub ratios: Vec<Ratio>,
 }
@@ -281,6 +282,10 @@ mod tests {
             question: Question::Closest,
             count: 1,
             hits: 1,
+            noise: Noise {
+                clock_drift: 0.0,
+                waited: None,
+            },
             ratios: Series::ratios(&turns),
             turns,
         }

@@ -210,7 +210,7 @@ impl Run<'_> {
             for question in Question::ALL {
                 progress(&format!("{scene}, {}: {kind} {question}", view.name));
                 let rounds = self.args.rounds;
-                let turns = self.tracer.install(|| {
+                let (turns, noise) = self.tracer.install(|| {
                     measure(
                         &subject.mesh,
                         ready,
@@ -228,6 +228,7 @@ impl Run<'_> {
                     question,
                     count: workload.rays.len(),
                     hits: workload.hits(),
+                    noise,
                     ratios: Series::ratios(&turns),
                     turns,
                 });

@@ -35,7 +35,8 @@ impl Table {
         if !self.caption.is_empty() {
             let _ = writeln!(text, "{}", self.caption);
         }
-        for row in all() {
+        // Of an empty table the caption says enough.
+        for row in all().take(if self.rows.is_empty() { 0 } else { usize::MAX }) {
             let mut line = String::new();
             for (i, (cell, width)) in row.iter().zip(&widths).enumerate() {
                 let _ = match i {
@@ -58,6 +59,9 @@ impl Table {
         let mut html = format!("<h3>{}</h3>\n", escaped(&self.title));
         if !self.caption.is_empty() {
             let _ = writeln!(html, "<p>{}</p>", escaped(&self.caption));
+        }
+        if self.rows.is_empty() {
+            return html;
         }
         let _ = write!(
             html,
@@ -178,10 +182,12 @@ fn rates(place: &str, series: &[Series], label: impl Fn(&Series) -> String) -> T
     let columns: Vec<Column> = columns.collect();
     let columns = distinct(columns.iter());
     let mut header = titles("rays", &columns);
-    header.splice(1..1, ["count".to_string(), "hits".to_string()]);
+    let more = ["count", "hits", "clock", "waited"];
+    header.splice(1..1, more.map(String::from));
     let mut table = Table::new(
         format!("{place}: million rays per second"),
-        "Medians; for information only, as they move with the machine's clock.",
+        "Medians; for information only, as they move with the core's clock (how much it did between rounds, and how long \
+         the thread waited for others, stands beside them).",
         header,
     );
     for s in series {
@@ -191,8 +197,14 @@ fn rates(place: &str, series: &[Series], label: impl Fn(&Series) -> String) -> T
                 format!("{:.2}", 1e3 / median(&t.nanoseconds))
             })
         };
-        let share = format!("{:.0} %", 100.0 * s.hits as f64 / s.count.max(1) as f64);
-        let mut row = vec![label(s), s.count.to_string(), share];
+        let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+        let mut row = vec![
+            label(s),
+            s.count.to_string(),
+            percent(s.hits as f64 / s.count.max(1) as f64),
+            percent(s.noise.clock_drift),
+            s.noise.waited.map_or(NOTHING.to_string(), percent),
+        ];
         row.extend(columns.iter().map(cell));
         table.rows.push(row);
     }

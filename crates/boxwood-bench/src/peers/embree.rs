@@ -7,7 +7,7 @@
 //! without arguments; where neighbouring rays go the same way also `rtcIntersect16` and `rtcOccluded16` with the coherent
 //! flag (medium quality only). Flush-to-zero is on, as Embree's documentation recommends.
 
-use super::ffi::{self, Embree};
+use super::ffi::embree::{self as ffi, Embree};
 use super::{Built, Finished, Way};
 use boxwood::{Hit, Ray, TriangleMesh};
 use std::fmt;

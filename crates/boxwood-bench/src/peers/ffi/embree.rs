@@ -1,13 +1,8 @@
-//! Embree's interface, declared by hand, and the processor's flush-to-zero mode: the only unsafe code of this crate.
+//! Embree's interface, declared by hand.
 //!
 //! *How it works.* The library is opened at run time, so that nothing needs it to compile. The declarations follow
 //! Embree 4.4's `rtcore.h`; a ray with its hit is 96 bytes, as `RTCRayHit` is in a release with arrays of instances.
 //! What leaves this module is safe: a [`Scene`] owns its device and its buffers, and asks about slices of any length.
-
-#![allow(
-    unsafe_code,
-    reason = "a C library and a processor register can be reached in no other way"
-)]
 
 use boxwood::{Hit, Ray, TriangleMesh};
 use libloading::Library;
@@ -34,8 +29,8 @@ const FLOAT3: c_uint = 0x9003;
 /// `RTC_SCENE_FLAG_ROBUST`.
 const ROBUST: c_uint = 1 << 2;
 
-/// `RTCRay`, or `RTCRay16` of `[_; 16]`.
-#[repr(C, align(64))]
+/// What `RTCRay` holds, or `RTCRay16` of `[_; 16]`.
+#[repr(C)]
 #[derive(Clone, Copy)]
 struct Rays<F, U> {
     origin: [F; 3],
@@ -48,7 +43,7 @@ struct Rays<F, U> {
     flags: U,
 }
 
-/// `RTCHit`, or `RTCHit16` of `[_; 16]`.
+/// What `RTCHit` holds, or `RTCHit16` of `[_; 16]`.
 #[repr(C)]
 #[derive(Clone, Copy)]
 struct Hits<F, U> {
@@ -61,51 +56,36 @@ struct Hits<F, U> {
     instance_primitive: U,
 }
 
-/// `RTCRayHit16`.
-#[repr(C, align(64))]
-#[derive(Clone, Copy)]
-struct Packet {
-    rays: Rays<Lanes<f32>, Lanes<u32>>,
-    hits: Hits<Lanes<f32>, Lanes<u32>>,
+/// `RTCRay`.
+#[repr(C, align(16))]
+struct OneRay(Rays<f32, u32>);
+
+/// `RTCRayHit`.
+#[repr(C, align(16))]
+struct OneRayHit {
+    ray: Rays<f32, u32>,
+    hit: Hits<f32, u32>,
 }
 
 const WIDTH: usize = 16;
 type Lanes<T> = [T; WIDTH];
 
-/// `RTCRayHit`: 12 numbers of the ray, 9 of the hit, 3 of padding.
-#[repr(C, align(16))]
-#[derive(Clone, Copy)]
-struct RayHit {
-    origin: [f32; 3],
-    near: f32,
-    direction: [f32; 3],
-    time: f32,
-    far: f32,
-    mask: u32,
-    id: u32,
-    flags: u32,
-    hit: Hits<f32, u32>,
-}
+/// `RTCRay16`.
+#[repr(C, align(64))]
+struct Packet(Rays<Lanes<f32>, Lanes<u32>>);
 
-/// `RTCRay`.
-#[repr(C, align(16))]
-struct OneRay {
-    origin: [f32; 3],
-    near: f32,
-    direction: [f32; 3],
-    time: f32,
-    far: f32,
-    mask: u32,
-    id: u32,
-    flags: u32,
+/// `RTCRayHit16`.
+#[repr(C, align(64))]
+struct PacketHit {
+    rays: Rays<Lanes<f32>, Lanes<u32>>,
+    hits: Hits<Lanes<f32>, Lanes<u32>>,
 }
 
 const _: () = {
-    assert!(size_of::<OneRay>() == 48 && size_of::<RayHit>() == 96);
-    assert!(std::mem::offset_of!(RayHit, hit) == 48);
-    assert!(size_of::<Rays<Lanes<f32>, Lanes<u32>>>() == 12 * 64);
-    assert!(size_of::<Packet>() == 21 * 64);
-    assert!(std::mem::offset_of!(Packet, hits) == 12 * 64);
+    assert!(size_of::<OneRay>() == 48 && size_of::<OneRayHit>() == 96);
+    assert!(std::mem::offset_of!(OneRayHit, hit) == 48);
+    assert!(size_of::<Packet>() == 12 * 64 && size_of::<PacketHit>() == 21 * 64);
+    assert!(std::mem::offset_of!(PacketHit, hits) == 12 * 64);
 };
 
 /// `RTCIntersectArguments` and `RTCOccludedArguments`, which are alike.
@@ -145,15 +125,10 @@ pub struct Embree {
     new_buffer: unsafe extern "C" fn(Handle, c_uint, c_uint, c_uint, usize, usize) -> *mut c_void,
     commit_geometry: unsafe extern "C" fn(Handle),
     attach_geometry: unsafe extern "C" fn(Handle, Handle) -> c_uint,
-    intersect_1: unsafe extern "C" fn(Handle, *mut RayHit, *mut Arguments),
+    intersect_1: unsafe extern "C" fn(Handle, *mut OneRayHit, *mut Arguments),
     occluded_1: unsafe extern "C" fn(Handle, *mut OneRay, *mut Arguments),
-    intersect_16: unsafe extern "C" fn(*const c_int, Handle, *mut Packet, *mut Arguments),
-    occluded_16: unsafe extern "C" fn(
-        *const c_int,
-        Handle,
-        *mut Rays<Lanes<f32>, Lanes<u32>>,
-        *mut Arguments,
-    ),
+    intersect_16: unsafe extern "C" fn(*const c_int, Handle, *mut PacketHit, *mut Arguments),
+    occluded_16: unsafe extern "C" fn(*const c_int, Handle, *mut Packet, *mut Arguments),
     /// Dropped last, and in this order.
     _embree: Library,
     _tbb: Library,
@@ -327,15 +302,8 @@ impl Scene {
     pub fn intersect_1(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len(), "one hit per ray");
         for (ray, hit) in rays.iter().zip(hits) {
-            let mut record = RayHit {
-                origin: ray.origin.to_array(),
-                near: ray.t_min,
-                direction: ray.direction.to_array(),
-                time: 0.0,
-                far: ray.t_max,
-                mask: u32::MAX,
-                id: 0,
-                flags: 0,
+            let mut record = OneRayHit {
+                ray: single(ray),
                 hit: Hits {
                     normal: [0.0; 3],
                     u: 0.0,
@@ -350,7 +318,7 @@ impl Scene {
             // the defaults.
             unsafe { (self.embree.intersect_1)(self.scene, &raw mut record, ptr::null_mut()) };
             *hit = (record.hit.geometry != INVALID).then_some(Hit {
-                t: record.far,
+                t: record.ray.far,
                 u: record.hit.u,
                 v: record.hit.v,
                 primitive: record.hit.primitive,
@@ -366,20 +334,11 @@ impl Scene {
     pub fn occluded_1(&self, rays: &[Ray], occluded: &mut [bool]) {
         assert_eq!(rays.len(), occluded.len(), "one answer per ray");
         for (ray, occluded) in rays.iter().zip(occluded) {
-            let mut record = OneRay {
-                origin: ray.origin.to_array(),
-                near: ray.t_min,
-                direction: ray.direction.to_array(),
-                time: 0.0,
-                far: ray.t_max,
-                mask: u32::MAX,
-                id: 0,
-                flags: 0,
-            };
+            let mut record = OneRay(single(ray));
             // SAFETY: as in `intersect_1`, with a whole `RTCRay`.
             unsafe { (self.embree.occluded_1)(self.scene, &raw mut record, ptr::null_mut()) };
             // Embree says so with an end before everything.
-            *occluded = record.far < 0.0;
+            *occluded = record.0.far < 0.0;
         }
     }
 
@@ -390,7 +349,7 @@ impl Scene {
     pub fn intersect_16(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len(), "one hit per ray");
         for (rays, hits) in rays.chunks(WIDTH).zip(hits.chunks_mut(WIDTH)) {
-            let mut packet = Packet {
+            let mut packet = PacketHit {
                 rays: gathered(rays),
                 hits: Hits {
                     normal: [[0.0; WIDTH]; 3],
@@ -431,7 +390,7 @@ impl Scene {
     pub fn occluded_16(&self, rays: &[Ray], occluded: &mut [bool]) {
         assert_eq!(rays.len(), occluded.len(), "one answer per ray");
         for (rays, occluded) in rays.chunks(WIDTH).zip(occluded.chunks_mut(WIDTH)) {
-            let mut packet = gathered(rays);
+            let mut packet = Packet(gathered(rays));
             let (valid, mut arguments) = (valid(rays.len()), coherent());
             // SAFETY: as in `intersect_16`, with a whole `RTCRay16`.
             unsafe {
@@ -442,7 +401,7 @@ impl Scene {
                     &raw mut arguments,
                 );
             }
-            for (occluded, far) in occluded.iter_mut().zip(packet.far) {
+            for (occluded, far) in occluded.iter_mut().zip(packet.0.far) {
                 *occluded = far < 0.0;
             }
         }
@@ -456,6 +415,20 @@ impl Drop for Scene {
             (self.embree.release_scene)(self.scene);
             (self.embree.release_device)(self.device);
         }
+    }
+}
+
+#[inline]
+fn single(ray: &Ray) -> Rays<f32, u32> {
+    Rays {
+        origin: ray.origin.to_array(),
+        near: ray.t_min,
+        direction: ray.direction.to_array(),
+        time: 0.0,
+        far: ray.t_max,
+        mask: u32::MAX,
+        id: 0,
+        flags: 0,
     }
 }
 
@@ -502,125 +475,9 @@ fn coherent() -> Arguments {
     }
 }
 
-#[cfg(feature = "tinybvh")]
-pub use tiny::TinyTree;
-
-#[cfg(feature = "tinybvh")]
-mod tiny {
-    use tinybvh_rs::{Error, Intersector, Ray, bvh};
-
-    /// A tree of tinybvh that several threads may ask: its best layout that the wrapper offers to this program.
-    pub struct TinyTree<'a> {
-        #[cfg(target_feature = "avx2")]
-        tree: tinybvh_rs::bvh8_cpu::BVH,
-        #[cfg(not(target_feature = "avx2"))]
-        tree: bvh::BVH<'a>,
-        _corners: &'a [[f32; 4]],
-    }
-
-    // SAFETY: the wrapper's types are neither `Send` nor `Sync` only because all types of C++ are not. This one owns its
-    // tree and borrows its corners, and shows nothing but `intersect`, a `const` method that writes to the ray alone, as
-    // programs in C++ call it from many threads.
-    unsafe impl Send for TinyTree<'_> {}
-    // SAFETY: as above.
-    unsafe impl Sync for TinyTree<'_> {}
-
-    impl<'a> TinyTree<'a> {
-        /// How the library calls the layout.
-        pub const LAYOUT: &'static str = if cfg!(target_feature = "avx2") {
-            "BVH8_CPU"
-        } else {
-            "BVH"
-        };
-
-        /// Builds a tree with spatial splits over three corners for each triangle.
-        ///
-        /// # Errors
-        /// What the wrapper says.
-        pub fn build(corners: &'a [[f32; 4]]) -> Result<Self, Error> {
-            let binary = bvh::BVH::new_hq(corners.into())?;
-            #[cfg(target_feature = "avx2")]
-            let tree = {
-                let mut binary = binary;
-                binary.split_leaves(4);
-                tinybvh_rs::bvh8_cpu::BVH::new(&tinybvh_rs::mbvh::BVH::new(&binary))?
-            };
-            #[cfg(not(target_feature = "avx2"))]
-            let tree = binary;
-            Ok(Self {
-                tree,
-                _corners: corners,
-            })
-        }
-
-        /// Leaves the nearest hit in the ray.
-        #[inline]
-        pub fn intersect(&self, ray: &mut Ray) {
-            self.tree.intersect(ray);
-        }
-    }
-}
-
-/// As long as it lives, this thread's processor reads and writes subnormal numbers as zero, which Embree and others
-/// recommend to their users. Elsewhere than on x86-64 it does nothing.
-pub struct FlushToZero {
-    #[cfg(target_arch = "x86_64")]
-    before: u32,
-}
-
-impl FlushToZero {
-    /// Turns it on.
-    #[inline(never)]
-    pub fn new() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        {
-            /// Flush to zero, and subnormals are zeros.
-            const FLUSH: u32 = 1 << 15 | 1 << 6;
-            let before = 0_u32;
-            // SAFETY: stores a register of this thread into a variable of ours.
-            unsafe { std::arch::asm!("stmxcsr [{}]", in(reg) &raw const before) };
-            // Read again: the variable was written behind the compiler's back.
-            // SAFETY: a live variable.
-            let before = unsafe { ptr::read_volatile(&raw const before) };
-            set(before | FLUSH);
-            Self { before }
-        }
-        #[cfg(not(target_arch = "x86_64"))]
-        Self {}
-    }
-}
-
-impl Drop for FlushToZero {
-    #[inline(never)]
-    fn drop(&mut self) {
-        #[cfg(target_arch = "x86_64")]
-        set(self.before);
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-fn set(register: u32) {
-    // SAFETY: only the two bits of `FlushToZero` ever change, so rounding and exceptions stay as Rust expects them. Rust
-    // code that runs meanwhile copies numbers, and peers compute with them; none of it relies on subnormal numbers.
-    unsafe { std::arch::asm!("ldmxcsr [{}]", in(reg) &raw const register) };
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::hint::black_box;
-
-    #[cfg(target_arch = "x86_64")]
-    #[test]
-    fn subnormals_are_zero_only_meanwhile() {
-        let half = || black_box(f32::MIN_POSITIVE) * black_box(0.5);
-        assert!(half() > 0.0);
-        let guard = FlushToZero::new();
-        let flushed = half();
-        drop(guard);
-        assert_eq!(flushed, 0.0);
-        assert!(half() > 0.0);
-    }
 
     #[test]
     fn lanes_beyond_the_rays_are_not_valid() {
