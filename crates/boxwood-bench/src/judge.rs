@@ -35,6 +35,11 @@ impl Disagreements {
         self.missed + self.invented + self.inexact + self.ties + self.ours + self.unjudged
     }
 
+    /// How many of them are the peer's fault.
+    pub fn wrong(&self) -> u32 {
+        self.missed + self.invented + self.inexact
+    }
+
     /// Adds those of others; the examples, which are of one kind of rays, stay behind.
     pub fn add(&mut self, other: &Self) {
         self.missed += other.missed;

@@ -281,6 +281,8 @@ fn share<'a>(
     let n = workload.rays.len();
     if built.own().is_none() && n > PROBE {
         let probe = blocks(&workload.rays, PROBE);
+        // The first time, caches are cold.
+        ask(built, way, question, &probe, answers);
         let seconds = clocked(built, way, question, &probe, answers);
         let fits = (TURN / seconds.max(1e-9) * probe.len() as f64) as usize;
         if fits < n {

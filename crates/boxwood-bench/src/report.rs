@@ -88,6 +88,8 @@ pub struct Ratio {
     pub median: f64,
     pub lower_quartile: f64,
     pub upper_quartile: f64,
+    /// The share of the peer's answers that are wrong: what is skipped costs no time.
+    pub wrong: f64,
 }
 
 impl Series {
@@ -109,6 +111,7 @@ impl Series {
                     median: quantile(&ratios, 0.5),
                     lower_quartile: quantile(&ratios, 0.25),
                     upper_quartile: quantile(&ratios, 0.75),
+                    wrong: f64::from(peer.disagreements.wrong()) / peer.rays_asked.max(1) as f64,
                 });
             }
         }
@@ -203,6 +206,8 @@ pub struct Summary {
     pub worst: f64,
     pub worst_view: String,
     pub views: usize,
+    /// The largest share of wrong answers in any of it.
+    pub wrong: f64,
 }
 
 /// Over all that was measured.
@@ -224,17 +229,18 @@ pub fn summarize(all: &[Series]) -> Vec<Summary> {
     for (boxwood, peer) in pairs {
         for class in Class::ALL {
             let mut views: Vec<(f64, &String)> = Vec::new();
+            let mut wrong = 0.0_f64;
             for place in &places {
-                let medians: Vec<f64> = all
+                let ratios: Vec<&Ratio> = all
                     .iter()
                     .filter(|s| s.place() == *place && class.holds(s))
                     .flat_map(|s| &s.ratios)
                     .filter(|r| r.boxwood == boxwood && r.peer == peer)
-                    .map(|r| r.median)
                     .collect();
-                if !medians.is_empty() {
-                    views.push((geometric_mean(medians), place));
+                if !ratios.is_empty() {
+                    views.push((geometric_mean(ratios.iter().map(|r| r.median)), place));
                 }
+                wrong = ratios.iter().map(|r| r.wrong).fold(wrong, f64::max);
             }
             let worst = views.iter().min_by(|a, b| a.0.total_cmp(&b.0));
             if let Some(&(worst, place)) = worst {
@@ -246,6 +252,7 @@ pub fn summarize(all: &[Series]) -> Vec<Summary> {
                     worst,
                     worst_view: place.clone(),
                     views: views.len(),
+                    wrong,
                 });
             }
         }
@@ -313,6 +320,7 @@ mod tests {
         assert_eq!(summary.len(), 1);
         assert!((summary[0].mean - 2.0).abs() < 1e-12);
         assert_eq!((summary[0].worst, summary[0].views), (1.0, 2));
+        assert_eq!(summary[0].wrong, 0.0);
         assert_eq!(summary[0].worst_view, "b, main");
     }
 }

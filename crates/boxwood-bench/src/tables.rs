@@ -82,6 +82,13 @@ fn escaped(text: &str) -> String {
 
 const NOTHING: &str = "–";
 
+/// Stands behind the figures of who is wrong more often than [`OFTEN`].
+fn mark(wrong: f64) -> &'static str {
+    if wrong > OFTEN { " !" } else { "" }
+}
+
+const OFTEN: f64 = 1.0e-4;
+
 /// Boxwood's own columns of some series, in order.
 fn own_columns(series: &[Series]) -> Vec<Column> {
     distinct(series.iter().flat_map(|s| &s.ratios).map(|r| &r.boxwood))
@@ -113,14 +120,21 @@ pub fn summary(all: &[Summary]) -> Vec<Table> {
         let names = classes.iter().map(|class| class.name().to_string());
         let mut table = Table::new(
             format!("Summary: {}, {}", own.name, own.way),
-            "The peer's time over Boxwood's (above 1 Boxwood is faster): geometric mean over the views, and the worst view.",
+            "The peer's time over Boxwood's (above 1 Boxwood is faster): geometric mean over the views, and the worst view. \
+             With ! the peer is wrong about more than one ray in 10,000 of some kind, which may save it time.",
             std::iter::once("peer".to_string()).chain(names).collect(),
         );
         for peer in distinct(of().map(|s| &s.peer)) {
             let cell = |&class: &Class| {
                 let found = of().find(|s| s.class == class && s.peer == peer);
                 found.map_or(NOTHING.to_string(), |s| {
-                    format!("{:.2} ({:.2} {})", s.mean, s.worst, s.worst_view)
+                    format!(
+                        "{:.2} ({:.2} {}){}",
+                        s.mean,
+                        s.worst,
+                        s.worst_view,
+                        mark(s.wrong)
+                    )
                 })
             };
             let cells = classes.iter().map(cell);
@@ -149,7 +163,8 @@ pub fn view(series: &[Series]) -> Vec<Table> {
         let peers = distinct(ratios.filter(|r| r.boxwood == own).map(|r| &r.peer));
         let mut table = Table::new(
             format!("{place}: {}, {}", own.name, own.way),
-            "The peer's time over Boxwood's: median of the rounds [quartiles].",
+            "The peer's time over Boxwood's: median of the rounds [quartiles]; with ! the peer is wrong about more than one \
+             ray in 10,000.",
             titles("rays", &peers),
         );
         for s in series {
@@ -160,8 +175,11 @@ pub fn view(series: &[Series]) -> Vec<Table> {
                     .find(|r| r.boxwood == own && r.peer == *peer);
                 found.map_or(NOTHING.to_string(), |r| {
                     format!(
-                        "{:.2} [{:.2} {:.2}]",
-                        r.median, r.lower_quartile, r.upper_quartile
+                        "{:.2} [{:.2} {:.2}]{}",
+                        r.median,
+                        r.lower_quartile,
+                        r.upper_quartile,
+                        mark(r.wrong)
                     )
                 })
             };
