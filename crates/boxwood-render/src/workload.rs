@@ -164,9 +164,9 @@ impl<'a> Recorder<'a> {
             RayKind::Shadow => self.shadows(),
             RayKind::Ao => {
                 let reach = REACH * bounds.size().length();
-                self.on_surfaces(|i, at| Some(bounce(i, at).until(reach)))
+                self.on_surfaces(|i, at| Some(bounce(i, 1, at).until(reach)))
             }
-            RayKind::Diffuse => self.on_surfaces(|i, at| Some(bounce(i, at))),
+            RayKind::Diffuse => self.on_surfaces(|i, at| Some(bounce(i, 1, at))),
         }
     }
 
@@ -229,8 +229,9 @@ fn to_light(light: &LightKind, [u, v]: [f32; 2], from: Vec3) -> (Vec3, f32) {
     (target - from, 1.0)
 }
 
-fn bounce(i: u32, at: &Surface) -> Ray {
-    let sample = Samples::new([i, 2], 0).pair(AROUND, 1, 0);
+/// The diffuse bounce of path `i` off its `depth`-th surface (from 1): around the normal, as often as its cosine is large.
+pub fn bounce(i: u32, depth: u32, at: &Surface) -> Ray {
+    let sample = Samples::new([i, depth.wrapping_add(1)], 0).pair(AROUND, 1, 0);
     let direction = around_normal(at.facing(), sample);
     Ray::new(at.offset_origin(direction), direction)
 }
