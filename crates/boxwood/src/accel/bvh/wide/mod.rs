@@ -1,0 +1,171 @@
+//! Nodes with 8 or 16 children, all met at once.
+//!
+//! *How it works.* `collapse` makes `N` children of two, at the least expected cost; `node` holds eight rows of `N` words and
+//! meets its boxes in lanes; `leaf` holds triangles lane by lane, or numbers of anything else; `traverse` is the one loop,
+//! compiled for every instruction set, and `scalar` the same box by box.
+//!
+//! *Cost.* About 15 bytes of nodes and 45 of leaves for each triangle of a mesh; 16 and 6 for each of other primitives.
+//!
+//! *Source.* Dammertz, Hanika & Keller 2008; Wald, Benthin & Boulos 2008; Ernst & Greiner 2008; Ylitie, Karras & Laine 2017
+//! (octant order, collapse).
+
+mod build;
+mod collapse;
+mod leaf;
+mod node;
+mod plan;
+mod scalar;
+mod traverse;
+
+pub use build::WideSah;
+
+use crate::accel::limits::{Limits, Site, unlimited};
+use crate::accel::{BuildError, bvh::tree::BinaryTree};
+use crate::geometry::triangle::block::Stop;
+use crate::geometry::{Aabb, PreparedRay, Ray};
+use crate::inspect::{Cell, Statistics};
+use crate::primitive::{self, Primitives};
+use crate::query::{Counters, Query, Traverse};
+use crate::simd::{Isa, Level, Portable, Vectorize};
+use alloc::vec;
+use alloc::vec::Vec;
+use core::ops::ControlFlow::Break;
+use leaf::Leaves;
+use node::{Child, Node};
+
+/// A hierarchy of nodes with `N` children (8 or 16) over owned, borrowed or shared primitives.
+///
+/// It runs on the best instruction set of the machine, or the one named by the environment variable `BOXWOOD_ISA`; nodes
+/// and answers do not depend on it.
+#[derive(Clone, Debug)]
+pub struct WideBvh<P, const N: usize> {
+    primitives: P,
+    bounds: Aabb,
+    root: Child,
+    nodes: Vec<Node<N>>,
+    leaves: Leaves,
+    /// Whether some primitives lie in several leaves, each of which holds a part of them.
+    cut: bool,
+    isa: Isa,
+}
+
+/// Most primitives that are brought together into one leaf, unless the binary tree has larger ones.
+const MAX_LEAF: usize = 2 * Leaves::LANES;
+
+impl<P: Primitives, const N: usize> WideBvh<P, N>
+where
+    Level: Vectorize<N>,
+{
+    /// Lays a tree out that a builder of this crate made for these primitives.
+    ///
+    /// # Panics
+    /// When the tree is for fewer or more primitives, or for more than half a billion.
+    pub fn new(primitives: P, tree: &BinaryTree) -> Self {
+        unlimited(Self::within(primitives, tree, &Site::new(&Limits::NONE, 1)))
+    }
+
+    fn within(primitives: P, tree: &BinaryTree, site: &Site<'_>) -> Result<Self, BuildError> {
+        let most = tree.order.iter().max().map_or(0, |&id| id as usize + 1);
+        let fits = most == primitives.len() && tree.nodes.is_empty() == tree.order.is_empty();
+        assert!(fits || site.is_over(), "a tree for other primitives");
+        let (root, nodes, leaves) = collapse::collapse(&primitives, tree, MAX_LEAF, site)?;
+        site.finish(Self {
+            cut: tree.order.len() > primitives.len(),
+            bounds: tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds),
+            primitives,
+            root,
+            nodes,
+            leaves,
+            isa: Isa::best(),
+        })
+    }
+
+    /// The same tree, walked with a chosen instruction set.
+    #[must_use]
+    pub fn with_isa(self, isa: Isa) -> Self {
+        Self { isa, ..self }
+    }
+
+    /// The primitives.
+    pub fn primitives(&self) -> &P {
+        &self.primitives
+    }
+}
+
+impl<P: Primitives, const N: usize> Traverse for WideBvh<P, N>
+where
+    Level: Vectorize<N>,
+{
+    fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    fn statistics(&self) -> Statistics {
+        let blocks = self.leaves.len() * Leaves::block_bytes::<P>();
+        Statistics {
+            bytes: size_of_val(&*self.nodes) + blocks,
+            ..Statistics::of_cells(self.primitives.len(), self.bounds, |show| self.cells(show))
+        }
+    }
+
+    fn cells(&self, show: &mut dyn FnMut(&Cell<'_>)) {
+        if self.root == Child::NOTHING {
+            return;
+        }
+        let mut open = vec![(0, 0, self.bounds, self.root)];
+        while let Some((node, depth, bounds, child)) = open.pop() {
+            let leaf = child.is_leaf();
+            let primitives = leaf.then(|| self.leaves.ids(child.blocks()).count() as u32);
+            show(&Cell {
+                node,
+                depth,
+                bounds,
+                primitives,
+                sides: &[],
+            });
+            if !leaf {
+                let from = open.len();
+                let slots = self.nodes[child.index()].slots();
+                open.extend(slots.map(|(lane, bounds, below)| {
+                    (Self::number(child, lane), depth + 1, bounds, below)
+                }));
+                open[from..].reverse();
+            }
+        }
+    }
+
+    #[inline]
+    fn traverse<Q: Query, C: Counters>(&self, ray: &Ray, query: &mut Q, counters: &mut C) {
+        let Some(ray) = PreparedRay::new(ray, self.bounds.scale()) else {
+            return;
+        };
+        if self.root == Child::NOTHING {
+            return;
+        }
+        // Of the two loops only one is compiled for a kind of counters.
+        if !C::EXPLAINS && ray.is_tame() {
+            let one = traverse::One {
+                bvh: self,
+                ray: &ray,
+                query,
+                counters,
+            };
+            // Boxes are rounded a little differently where operations are fused: counts are the same on every machine.
+            let walked = if C::COUNTS {
+                Portable.vectorize(one)
+            } else {
+                self.isa.level().vectorize(one)
+            };
+            if !matches!(walked, Break(Stop::Uncovered)) {
+                return;
+            }
+        }
+        // Where primitives are cut, a leaf's box holds a part of each, but a ray outside the doors may hit it anywhere in
+        // its own box.
+        if self.cut && !ray.is_tame() {
+            primitive::offer_all(&self.primitives, &ray, query, counters);
+        } else {
+            scalar::walk(self, &ray, query, counters);
+        }
+    }
+}

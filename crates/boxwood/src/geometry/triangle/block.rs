@@ -1,0 +1,168 @@
+//! Four triangles side by side, met by the canonical test lane by lane.
+//!
+//! *How it works.* The corners lie in memory as the test wants them: a row of four floats for each vertex and axis, so that
+//! the ray's axes choose rows and nothing is moved. The operations and their order are those of [`watertight`], so the bits
+//! are too; only the filter is left out: rays that start on a surface pass it anyway, and one branch after `t` is faster.
+//!
+//! [`watertight`]: super::watertight
+
+use super::watertight::TINY;
+use crate::geometry::{Hit, PreparedRay, Vec3};
+use crate::query::Query;
+use crate::simd::{F, Floats, Lanes, Mask};
+use core::ops::ControlFlow::{self, Break, Continue};
+
+/// How many triangles a block holds.
+pub const LANES: usize = 4;
+
+/// Up to four triangles with their numbers; 160 bytes.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub struct TriangleBlock {
+    /// By vertex, axis and lane. Lanes without a triangle hold NaN, which nothing hits.
+    corners: [[[f32; LANES]; 3]; 3],
+    ids: [u32; LANES],
+}
+
+impl TriangleBlock {
+    /// Packs at most four triangles; their numbers should ascend.
+    pub fn new(ids: &[u32], triangle: impl Fn(usize) -> [Vec3; 3]) -> Self {
+        let mut block = Self {
+            corners: [[[f32::NAN; LANES]; 3]; 3],
+            ids: [u32::MAX; LANES],
+        };
+        for (lane, &id) in ids.iter().enumerate() {
+            block.ids[lane] = id;
+            for (rows, corner) in block.corners.iter_mut().zip(triangle(id as usize)) {
+                for (axis, row) in rows.iter_mut().enumerate() {
+                    row[lane] = corner[axis];
+                }
+            }
+        }
+        block
+    }
+
+    /// The numbers of its triangles.
+    pub fn ids(&self) -> &[u32] {
+        &self.ids[..self.count()]
+    }
+
+    /// How many triangles it holds.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        let [a, b, c, d] = self.ids;
+        let there = |id: u32| usize::from(id != u32::MAX);
+        there(a) + there(b) + there(c) + there(d)
+    }
+
+    /// Shows the hits within `[t_min, query.t_max()]` to the query, of those triangles that `seen` lets through.
+    ///
+    /// Breaks with [`Stop::Uncovered`] at a hit that the proof of the slack does not cover, without showing it: looking at
+    /// its box here would cost every ray registers, and such hits are rarer than one in many millions.
+    #[inline(always)]
+    pub fn offer<S: Lanes<LANES>, Q: Query>(
+        &self,
+        s: S,
+        lanes: &BlockRay<S>,
+        query: &mut Q,
+        seen: impl Fn(u32) -> bool,
+    ) -> ControlFlow<Stop> {
+        let [kx, ky, kz] = lanes.axes;
+        let [ox, oy, oz] = lanes.origin;
+        let [sx, sy, iz] = lanes.shear;
+        let [a, b, c] = &self.corners;
+        let z0 = F::<S, LANES>::load(s, &a[kz]) - oz;
+        let z1 = F::<S, LANES>::load(s, &b[kz]) - oz;
+        let z2 = F::<S, LANES>::load(s, &c[kz]) - oz;
+        let x0 = (F::<S, LANES>::load(s, &a[kx]) - ox) - sx * z0;
+        let x1 = (F::<S, LANES>::load(s, &b[kx]) - ox) - sx * z1;
+        let x2 = (F::<S, LANES>::load(s, &c[kx]) - ox) - sx * z2;
+        let y0 = (F::<S, LANES>::load(s, &a[ky]) - oy) - sy * z0;
+        let y1 = (F::<S, LANES>::load(s, &b[ky]) - oy) - sy * z1;
+        let y2 = (F::<S, LANES>::load(s, &c[ky]) - oy) - sy * z2;
+        let u = difference_of_products(x2, y1, y2, x1);
+        let v = difference_of_products(x0, y2, y0, x2);
+        let w = difference_of_products(x1, y0, y1, x0);
+        let zero = F::<S, LANES>::splat(s, 0.0);
+        // A NaN may get lost in `min` and `max`; it comes back in `t`.
+        let inside = zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero);
+        let determinant = (u + v) + w;
+        let r = F::<S, LANES>::splat(s, 1.0) / determinant;
+        let t = (((u * z0 + v * z1) + w * z2) * iz) * r;
+        let t_max = F::<S, LANES>::splat(s, query.t_max());
+        let mut found = (inside & lanes.t_min.le(t) & t.le(t_max)).bits();
+        if found == 0 {
+            return Continue(());
+        }
+        let (t, u, v) = (t.to_array(), (v * r).to_array(), (w * r).to_array());
+        let determinant = determinant.to_array();
+        while found != 0 {
+            let lane = found.trailing_zeros() as usize % LANES;
+            found &= found - 1;
+            let hit = Hit {
+                t: t[lane],
+                u: u[lane],
+                v: v[lane],
+                primitive: self.ids[lane],
+                instance: 0,
+            };
+            // An earlier lane may have shortened the interval.
+            if hit.t <= query.t_max() && seen(hit.primitive) {
+                if determinant[lane].abs() < TINY {
+                    return Break(Stop::Uncovered);
+                }
+                if query.offer(hit).is_break() {
+                    return Break(Stop::Enough);
+                }
+            }
+        }
+        Continue(())
+    }
+}
+
+/// Why the triangles were not all shown.
+pub enum Stop {
+    /// The query has seen enough.
+    Enough,
+    /// A hit must be held against its triangle's own box first: the ray is for a loop that does so.
+    Uncovered,
+}
+
+/// `a b − c d`, as in the canonical test.
+#[inline(always)]
+fn difference_of_products<const N: usize, T: Floats<N>>(a: T, b: T, c: T, d: T) -> T {
+    let (p, q) = (a * b, c * d);
+    (p - q) + (a.product_error(b, p) - c.product_error(d, q))
+}
+
+/// A tame ray in every lane.
+pub struct BlockRay<S: Lanes<LANES>> {
+    axes: [usize; 3],
+    /// In the order of `axes`.
+    origin: [F<S, LANES>; 3],
+    shear: [F<S, LANES>; 3],
+    t_min: F<S, LANES>,
+}
+
+impl<S: Lanes<LANES>> BlockRay<S> {
+    /// The ray must be [tame](PreparedRay::is_tame).
+    #[inline(always)]
+    pub fn new(s: S, ray: &PreparedRay) -> Self {
+        let [kx, ky, kz] = ray.axes;
+        let [sx, sy, iz] = ray.shear;
+        Self {
+            axes: ray.axes,
+            origin: [
+                F::<S, LANES>::splat(s, ray.origin[kx]),
+                F::<S, LANES>::splat(s, ray.origin[ky]),
+                F::<S, LANES>::splat(s, ray.origin[kz]),
+            ],
+            shear: [
+                F::<S, LANES>::splat(s, sx),
+                F::<S, LANES>::splat(s, sy),
+                F::<S, LANES>::splat(s, iz),
+            ],
+            t_min: F::<S, LANES>::splat(s, ray.t_min),
+        }
+    }
+}
