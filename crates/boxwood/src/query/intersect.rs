@@ -86,8 +86,8 @@ pub trait Intersect: Send + Sync {
     }
 }
 
-/// Rays per chunk of a batch: the queries stay in the first-level cache.
-const CHUNK: usize = 64;
+/// Rays per chunk of a batch: enough to keep many in flight nearly all of the time, few enough for the second-level cache.
+const CHUNK: usize = 512;
 
 impl<T: Traverse + Send + Sync> Intersect for T {
     fn bounds(&self) -> Aabb {
@@ -218,7 +218,6 @@ fn each_chunk<A: Send>(
     #[cfg(feature = "parallel")]
     rays.par_chunks(CHUNK)
         .zip(answers.par_chunks_mut(CHUNK))
-        .with_min_len(4)
         .for_each(|(rays, answers)| work(rays, answers));
     #[cfg(not(feature = "parallel"))]
     rays.chunks(CHUNK)

@@ -104,6 +104,14 @@ pub trait Floats<const N: usize>:
     fn permute(self, order: Self::Words) -> Self;
     /// Writes the chosen lanes, closed up, to the front of `out`. All of `out` is written.
     fn compress(self, chosen: Self::Mask, out: &mut [MaybeUninit<f32>; N]);
+    /// The same into memory that holds something.
+    #[inline(always)]
+    fn close_up(self, chosen: Self::Mask, out: &mut [f32; N]) {
+        // SAFETY: initialised memory may be seen as memory that need not be, as long as nothing uninitialised is written
+        // to it, and `compress` writes all of it with values.
+        let out = unsafe { &mut *core::ptr::from_mut(out).cast() };
+        self.compress(chosen, out);
+    }
 }
 
 /// Words in lanes: child references and lane numbers.
@@ -120,12 +128,33 @@ pub trait Words<const N: usize>: Copy {
     fn permute(self, order: Self) -> Self;
     /// Writes the chosen lanes, closed up, to the front of `out`. All of `out` is written.
     fn compress(self, chosen: Self::Mask, out: &mut [MaybeUninit<u32>; N]);
+    /// The same into memory that holds something.
+    #[inline(always)]
+    fn close_up(self, chosen: Self::Mask, out: &mut [u32; N]) {
+        // SAFETY: initialised memory may be seen as memory that need not be, as long as nothing uninitialised is written
+        // to it, and `compress` writes all of it with values.
+        let out = unsafe { &mut *core::ptr::from_mut(out).cast() };
+        self.compress(chosen, out);
+    }
 }
 
 /// One answer per lane.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
     /// Lane `i` in bit `i`.
     fn bits(self) -> u32;
+}
+
+/// Begins to load the first `lines` cache lines of a value; does nothing where that cannot be asked for.
+#[inline(always)]
+pub fn prefetch<T>(_value: &T, _lines: usize) {
+    #[cfg(target_arch = "x86_64")]
+    for line in 0.._lines {
+        let at = core::ptr::from_ref(_value)
+            .cast::<i8>()
+            .wrapping_add(64 * line);
+        // SAFETY: prefetching reads nothing and is allowed for any address.
+        unsafe { core::arch::x86_64::_mm_prefetch::<{ core::arch::x86_64::_MM_HINT_T0 }>(at) };
+    }
 }
 
 /// What a machine can do. Small, `Copy`, stored in each wide structure.

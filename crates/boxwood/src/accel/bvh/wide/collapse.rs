@@ -11,14 +11,14 @@ use crate::primitive::Primitives;
 use crate::simd::pages;
 use alloc::vec::Vec;
 
-/// Root, nodes and leaves of a wide tree whose leaves made of subtrees hold at most so many primitives; nothing useful where
+/// Root, nodes, leaves and depth of a wide tree whose leaves made of subtrees hold at most so many primitives; nothing useful where
 /// the site says that the build is over.
 pub fn collapse<P: Primitives, const N: usize>(
     primitives: &P,
     tree: &BinaryTree,
     max_leaf: usize,
     site: &Site<'_>,
-) -> Result<(Child, Vec<Node<N>>, Leaves), BuildError> {
+) -> Result<(Child, Vec<Node<N>>, Leaves, usize), BuildError> {
     let plan = Plan::new(primitives, tree, max_leaf, site);
     let mut wide = Wide {
         primitives,
@@ -28,10 +28,11 @@ pub fn collapse<P: Primitives, const N: usize>(
         nodes: Vec::new(),
         leaves: Leaves::default(),
         ids: Vec::new(),
+        depth: 0,
     };
     let root = wide.grow()?;
     site.give(wide.plan.bytes());
-    Ok((root, wide.nodes, wide.leaves))
+    Ok((root, wide.nodes, wide.leaves, wide.depth))
 }
 
 struct Wide<'a, P, const N: usize> {
@@ -42,6 +43,7 @@ struct Wide<'a, P, const N: usize> {
     nodes: Vec<Node<N>>,
     leaves: Leaves,
     ids: Vec<u32>,
+    depth: usize,
 }
 
 impl<P: Primitives, const N: usize> Wide<'_, P, N> {
@@ -64,7 +66,7 @@ impl<P: Primitives, const N: usize> Wide<'_, P, N> {
         self.leaves = Leaves::with_capacity::<P>(blocks);
         let root = self.child(0);
         if !root.is_leaf() {
-            self.open(0, root.index());
+            self.open(0, root.index(), 1);
         }
         Ok(root)
     }
@@ -94,7 +96,8 @@ impl<P: Primitives, const N: usize> Wide<'_, P, N> {
     }
 
     /// Fills the node made for a subtree, and all below. The children of a node lie side by side.
-    fn open(&mut self, index: usize, at: usize) {
+    fn open(&mut self, index: usize, at: usize, depth: usize) {
+        self.depth = self.depth.max(depth);
         if !self.site.advance(0) {
             return;
         }
@@ -108,7 +111,7 @@ impl<P: Primitives, const N: usize> Wide<'_, P, N> {
         self.nodes[at] = Node::new(slots);
         for (&index, &(_, child)) in children.iter().zip(slots) {
             if !child.is_leaf() {
-                self.open(index, child.index());
+                self.open(index, child.index(), depth + 1);
             }
         }
     }

@@ -4,7 +4,7 @@ use crate::geometry::PreparedRay;
 use crate::geometry::triangle::block::{BlockRay, LANES, Stop, TriangleBlock};
 use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Query};
-use crate::simd::{Lanes, pages};
+use crate::simd::{Lanes, pages, prefetch};
 use alloc::vec::Vec;
 use core::ops::ControlFlow::{self, Break, Continue};
 use core::ops::Range;
@@ -63,6 +63,14 @@ impl Leaves {
             size_of::<TriangleBlock>()
         } else {
             size_of::<[u32; LANES]>()
+        }
+    }
+
+    /// Begins to load a block.
+    #[inline(always)]
+    pub fn fetch(&self, block: usize) {
+        if let Some(triangles) = self.triangles.get(block) {
+            prefetch(triangles, 3);
         }
     }
 

@@ -9,6 +9,7 @@
 //! *Source.* Dammertz, Hanika & Keller 2008; Wald, Benthin & Boulos 2008; Ernst & Greiner 2008; Ylitie, Karras & Laine 2017
 //! (octant order, collapse).
 
+mod batch;
 mod build;
 mod collapse;
 mod leaf;
@@ -47,6 +48,8 @@ pub struct WideBvh<P, const N: usize> {
     /// Whether some primitives lie in several leaves, each of which holds a part of them.
     cut: bool,
     isa: Isa,
+    /// How many nodes lie above the deepest leaf.
+    depth: usize,
 }
 
 /// Most primitives that are brought together into one leaf, unless the binary tree has larger ones.
@@ -68,7 +71,7 @@ where
         let most = tree.order.iter().max().map_or(0, |&id| id as usize + 1);
         let fits = most == primitives.len() && tree.nodes.is_empty() == tree.order.is_empty();
         assert!(fits || site.is_over(), "a tree for other primitives");
-        let (root, nodes, leaves) = collapse::collapse(&primitives, tree, MAX_LEAF, site)?;
+        let (root, nodes, leaves, depth) = collapse::collapse(&primitives, tree, MAX_LEAF, site)?;
         site.finish(Self {
             cut: tree.order.len() > primitives.len(),
             bounds: tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds),
@@ -77,6 +80,7 @@ where
             nodes,
             leaves,
             isa: Isa::best(),
+            depth,
         })
     }
 
@@ -91,6 +95,22 @@ where
         &self.primitives
     }
 }
+
+impl<P: Primitives, const N: usize> WideBvh<P, N> {
+    /// One box after the other, for any ray.
+    fn plainly<Q: Query, C: Counters>(&self, ray: &PreparedRay, query: &mut Q, counters: &mut C) {
+        // Where primitives are cut, a leaf's box holds a part of each, but a ray outside the doors may hit it anywhere in
+        // its own box.
+        if self.cut && !ray.is_tame() {
+            primitive::offer_all(&self.primitives, ray, query, counters);
+        } else {
+            scalar::walk(self, ray, query, counters);
+        }
+    }
+}
+
+/// Fewer rays than this are not worth a batch.
+const FEW: usize = 16;
 
 impl<P: Primitives, const N: usize> Traverse for WideBvh<P, N>
 where
@@ -160,12 +180,26 @@ where
                 return;
             }
         }
-        // Where primitives are cut, a leaf's box holds a part of each, but a ray outside the doors may hit it anywhere in
-        // its own box.
-        if self.cut && !ray.is_tame() {
-            primitive::offer_all(&self.primitives, &ray, query, counters);
-        } else {
-            scalar::walk(self, &ray, query, counters);
+        self.plainly(&ray, query, counters);
+    }
+
+    fn traverse_each<Q: Query, C: Counters>(
+        &self,
+        rays: &[Ray],
+        queries: &mut [Q],
+        counters: &mut C,
+    ) {
+        assert_eq!(rays.len(), queries.len(), "one query per ray");
+        if C::COUNTS || rays.len() < FEW {
+            for (ray, query) in rays.iter().zip(queries) {
+                self.traverse(ray, query, counters);
+            }
+        } else if self.root != Child::NOTHING {
+            self.isa.level().vectorize(batch::Batch {
+                bvh: self,
+                rays,
+                queries,
+            });
         }
     }
 }

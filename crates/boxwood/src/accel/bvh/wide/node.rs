@@ -159,30 +159,46 @@ impl<const N: usize> Node<N> {
     }
 }
 
-/// A tame ray in every lane.
-pub struct WideRay<S: Lanes<N>, const N: usize> {
-    inverse: [F<S, N>; 3],
-    near: [F<S, N>; 3],
-    far: [F<S, N>; 3],
-    t_min: F<S, N>,
+/// Which way a ray runs.
+#[derive(Clone, Copy)]
+pub struct Heading {
     /// The rows of the planes that are met first.
     rows: [usize; 3],
     /// Bit `k` says that the ray runs down axis `k`.
     pub octant: usize,
 }
 
+impl Heading {
+    #[inline(always)]
+    pub fn of(ray: &PreparedRay) -> Self {
+        let (inverse, ..) = ray.slab_terms();
+        let down = [inverse.x < 0.0, inverse.y < 0.0, inverse.z < 0.0].map(usize::from);
+        Self {
+            rows: [down[0], 2 + down[1], 4 + down[2]],
+            octant: down[0] | down[1] << 1 | down[2] << 2,
+        }
+    }
+}
+
+/// A tame ray in every lane.
+pub struct WideRay<S: Lanes<N>, const N: usize> {
+    inverse: [F<S, N>; 3],
+    near: [F<S, N>; 3],
+    far: [F<S, N>; 3],
+    t_min: F<S, N>,
+    rows: [usize; 3],
+}
+
 impl<S: Lanes<N>, const N: usize> WideRay<S, N> {
     #[inline(always)]
-    pub fn new(s: S, ray: &PreparedRay) -> Self {
+    pub fn new(s: S, ray: &PreparedRay, heading: Heading) -> Self {
         let (inverse, near, far) = ray.slab_terms();
-        let down = [inverse.x < 0.0, inverse.y < 0.0, inverse.z < 0.0].map(usize::from);
         Self {
             inverse: splat::<S, N>(s, inverse),
             near: splat::<S, N>(s, near),
             far: splat::<S, N>(s, far),
             t_min: F::<S, N>::splat(s, ray.t_min),
-            rows: [down[0], 2 + down[1], 4 + down[2]],
-            octant: down[0] | down[1] << 1 | down[2] << 2,
+            rows: heading.rows,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The one loop over wide nodes, in lanes.
 
 use super::WideBvh;
-use super::node::{Child, WideRay};
+use super::node::{Child, Heading, WideRay};
 use crate::geometry::PreparedRay;
 use crate::geometry::triangle::block::{BlockRay, Stop};
 use crate::primitive::Primitives;
@@ -44,7 +44,8 @@ where
     Q: Query,
     C: Counters,
 {
-    let wide = WideRay::<S, N>::new(s, ray);
+    let heading = Heading::of(ray);
+    let wide = WideRay::<S, N>::new(s, ray, heading);
     let lanes = BlockRay::<S>::new(s, ray);
     let mut t_max = F::<S, N>::splat(s, query.t_max());
     let mut stack = Stack::new();
@@ -62,7 +63,7 @@ where
                     continue;
                 }
             } else if Q::ORDERED {
-                let order = U::<S, N>::from_nibbles(s, node.order(wide.octant));
+                let order = U::<S, N>::from_nibbles(s, node.order(heading.octant));
                 let (entry, exit) = (entry.permute(order), exit.permute(order));
                 let children = U::<S, N>::load(s, node.children()).permute(order);
                 stack.push::<S, N>(children, entry, entry.le(exit));
