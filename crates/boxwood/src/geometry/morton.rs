@@ -68,26 +68,51 @@ pub(crate) struct Coded {
 #[cfg(feature = "parallel")]
 const SEQUENTIAL: usize = 1 << 16;
 
-/// Sorts by code; equal codes keep their order. `spare` is scratch of the same length.
-pub(crate) fn sort(list: &mut [Coded], spare: &mut [Coded]) {
+/// Sorts by code; equal codes keep their order. `spare` is scratch of the same length. After every pass over some codes
+/// `goes_on` is told how many they were; where it says no, nothing is sorted and the answer is `false`.
+pub(crate) fn sort(
+    list: &mut [Coded],
+    spare: &mut [Coded],
+    goes_on: &(impl Fn(usize) -> bool + Sync),
+) -> bool {
     #[cfg(feature = "parallel")]
     if list.len() > SEQUENTIAL {
         let middle = list.len() / 2;
-        {
-            let (left, right) = list.split_at_mut(middle);
-            let (left_spare, right_spare) = spare.split_at_mut(middle);
-            rayon::join(|| sort(left, left_spare), || sort(right, right_spare));
+        let (left, right) = list.split_at_mut(middle);
+        let (left_spare, right_spare) = spare.split_at_mut(middle);
+        let sorted = rayon::join(
+            || sort(left, left_spare, goes_on),
+            || sort(right, right_spare, goes_on),
+        );
+        if sorted != (true, true) {
+            return false;
         }
-        spare.copy_from_slice(list);
-        merge(spare.split_at(middle), list);
-        return;
+        merge((left, right), spare);
+        list.copy_from_slice(spare);
+        return goes_on(list.len());
     }
-    sort_by_bytes(list, spare);
+    sort_by_bytes(list, spare, goes_on)
 }
 
-/// Merges two sorted lists; of equal codes those of the first come first.
+/// Merges two sorted lists, large ones in halves; of equal codes those of the first come first.
 #[cfg(feature = "parallel")]
 fn merge((mut a, mut b): (&[Coded], &[Coded]), into: &mut [Coded]) {
+    if into.len() > SEQUENTIAL / 2 {
+        // What lies before the middle of the longer list in both of them comes before the rest.
+        let (before_a, before_b) = if a.len() >= b.len() {
+            let middle = a.len() / 2;
+            let code = a[middle].code;
+            (middle, b.partition_point(|coded| coded.code < code))
+        } else {
+            let middle = b.len() / 2;
+            let code = b[middle].code;
+            (a.partition_point(|coded| coded.code <= code), middle)
+        };
+        let ((a, more_a), (b, more_b)) = (a.split_at(before_a), b.split_at(before_b));
+        let (into, rest) = into.split_at_mut(before_a + before_b);
+        rayon::join(|| merge((a, b), into), || merge((more_a, more_b), rest));
+        return;
+    }
     for slot in into {
         let from = match (a.first(), b.first()) {
             (Some(x), Some(y)) if y.code < x.code => &mut b,
@@ -100,7 +125,11 @@ fn merge((mut a, mut b): (&[Coded], &[Coded]), into: &mut [Coded]) {
     }
 }
 
-fn sort_by_bytes(list: &mut [Coded], spare: &mut [Coded]) {
+fn sort_by_bytes(
+    list: &mut [Coded],
+    spare: &mut [Coded],
+    goes_on: &impl Fn(usize) -> bool,
+) -> bool {
     let mut counts = [[0_u32; 256]; 8];
     for coded in &*list {
         for (byte, counts) in coded.code.to_le_bytes().into_iter().zip(&mut counts) {
@@ -125,11 +154,15 @@ fn sort_by_bytes(list: &mut [Coded], spare: &mut [Coded]) {
         }
         (from, to) = (to, from);
         swapped = !swapped;
+        if !goes_on(from.len()) {
+            return false;
+        }
     }
     if swapped {
         // What is sorted lies in the scratch.
         to.copy_from_slice(from);
     }
+    true
 }
 
 #[cfg(test)]
@@ -175,11 +208,12 @@ mod tests {
                     .collect();
                 let mut expected = list.clone();
                 expected.sort();
-                sort(
-                    &mut list,
-                    &mut alloc::vec![Coded::default(); length as usize],
-                );
+                let mut spare = alloc::vec![Coded::default(); length as usize];
+                assert!(sort(&mut list, &mut spare, &|_| true));
                 assert!(list == expected, "{length} codes of {mask:x}");
+                if length > 255 && mask > 0 {
+                    assert!(!sort(&mut list, &mut spare, &|_| false));
+                }
             }
         }
     }

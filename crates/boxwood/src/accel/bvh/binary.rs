@@ -15,6 +15,8 @@ use crate::inspect::{self, Cell, Statistics, TreeFlaw};
 use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Query, Step, Traverse, Verdict};
 use alloc::vec::Vec;
+#[cfg(feature = "parallel")]
+use rayon::prelude::*;
 
 /// A binary hierarchy over owned, borrowed or shared primitives.
 #[derive(Clone, Debug)]
@@ -77,6 +79,10 @@ impl<P: Primitives> Bvh<P> {
                 [child(a).words(), child(b).words()],
             )
         };
+        let pairs = 0..nodes.len() / 2;
+        #[cfg(feature = "parallel")]
+        let pairs = pairs.into_par_iter().with_min_len(1024);
+        let pairs = pairs.map(pair).collect();
         Self {
             primitives,
             bounds: nodes.first().map_or(Aabb::EMPTY, |root| root.bounds),
@@ -85,7 +91,7 @@ impl<P: Primitives> Bvh<P> {
             } else {
                 child(0)
             },
-            pairs: (0..nodes.len() / 2).map(pair).collect(),
+            pairs,
             order,
         }
     }

@@ -8,6 +8,8 @@
 //!
 //! *Source.* Rubin & Whitted 1980; Kay & Kajiya 1986.
 
+#[cfg(feature = "parallel")]
+mod assemble;
 mod binary;
 mod build;
 pub mod refine;

@@ -9,7 +9,6 @@ use super::top_down::{Split, top_down_refined};
 use super::{BinaryTree, Item};
 use crate::accel::bvh::refine::Refine;
 use crate::accel::bvh::tree::MAX_LEAF;
-use crate::accel::limits::unlimited;
 use crate::accel::settings::Setting;
 use crate::accel::{Axes, BuildError, Limits};
 use crate::primitive::Primitives;
@@ -36,18 +35,9 @@ impl Default for EqualCounts {
 }
 
 impl EqualCounts {
-    /// Builds a tree; it cannot fail.
-    pub fn build(&self, primitives: &impl Primitives) -> BinaryTree {
-        unlimited(self.build_within(primitives, &Limits::NONE))
-    }
-
-    /// Builds a tree within limits.
-    ///
-    /// # Errors
-    /// When the limits end the build.
-    pub fn build_within(
+    fn tree(
         &self,
-        primitives: &impl Primitives,
+        primitives: &(impl Primitives + Sync),
         limits: &Limits<'_>,
     ) -> Result<BinaryTree, BuildError> {
         let max_leaf = self.max_leaf.clamp(1, MAX_LEAF);
@@ -81,10 +71,10 @@ impl EqualCounts {
 }
 
 fn halve(items: &mut [Item], middle: usize, axis: usize) {
-    items.select_nth_unstable_by_key(middle, |item| item.key(axis, item.id));
+    items.select_nth_unstable_by_key(middle, |item| item.key(axis, item.id()));
 }
 
-bvh_settings!(
+bvh_builder!(
     EqualCounts,
     "bvh:equal",
     |builder| [

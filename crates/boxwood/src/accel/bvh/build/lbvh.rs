@@ -9,11 +9,13 @@
 //! *Source.* Lauterbach et al. 2009, *Fast BVH Construction on GPUs*; the halving of equal codes is that of Karras 2012,
 //! *Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees*.
 
+#[cfg(feature = "parallel")]
+use super::top_down::SEQUENTIAL;
 use super::top_down::{Divide, Divided, grow, work};
 use super::{BYTES_EACH, BinaryTree, Item, items};
 use crate::accel::bvh::refine::{Refine, collapse_leaves};
 use crate::accel::bvh::tree::MAX_LEAF;
-use crate::accel::limits::{Site, unlimited};
+use crate::accel::limits::Site;
 use crate::accel::settings::Setting;
 use crate::accel::{Axes, BuildError, Limits};
 use crate::geometry::Aabb;
@@ -21,6 +23,8 @@ use crate::geometry::morton::{self, Coded, Grid};
 use crate::primitive::Primitives;
 use alloc::vec::Vec;
 use core::marker::PhantomData;
+#[cfg(feature = "parallel")]
+use rayon::prelude::*;
 
 /// The builder along a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,18 +48,9 @@ impl Default for Lbvh {
 }
 
 impl Lbvh {
-    /// Builds a tree; it cannot fail.
-    pub fn build(&self, primitives: &impl Primitives) -> BinaryTree {
-        unlimited(self.build_within(primitives, &Limits::NONE))
-    }
-
-    /// Builds a tree within limits.
-    ///
-    /// # Errors
-    /// When the limits end the build.
-    pub fn build_within(
+    fn tree(
         &self,
-        primitives: &impl Primitives,
+        primitives: &(impl Primitives + Sync),
         limits: &Limits<'_>,
     ) -> Result<BinaryTree, BuildError> {
         let count = primitives.len();
@@ -63,7 +58,9 @@ impl Lbvh {
         if count == 0 || !site.take((BYTES_EACH + CURVE_BYTES_EACH).saturating_mul(count)) {
             return site.finish(BinaryTree::default());
         }
-        let (codes, items) = along_curve(primitives, self.axes);
+        let Some((codes, items)) = along_curve(primitives, self.axes, &site) else {
+            return site.finish(BinaryTree::default());
+        };
         let by_bits = ByBits { run: PhantomData };
         let mut tree = grow(&by_bits, (&codes[..], &items[..]), &site);
         drop((codes, items));
@@ -78,27 +75,46 @@ impl Lbvh {
 /// What sorting along the curve needs for each primitive.
 pub(super) const CURVE_BYTES_EACH: usize = 2 * size_of::<Coded>() + size_of::<Item>();
 
-/// The primitives in the order of a Morton curve, and their codes.
-pub(super) fn along_curve(primitives: &impl Primitives, axes: Axes) -> (Vec<Coded>, Vec<Item>) {
+/// The primitives in the order of a Morton curve, and their codes; `None` when the build is over.
+pub(super) fn along_curve(
+    primitives: &(impl Primitives + Sync),
+    axes: Axes,
+    site: &Site<'_>,
+) -> Option<(Vec<Coded>, Vec<Item>)> {
     let unsorted = items(primitives);
     // Those that can be told apart: the others lie at the curve's beginning or end.
-    let middles = unsorted.iter().map(Item::centroid);
-    let around = Aabb::of(middles.filter(|middle| middle.is_finite()));
+    let finite = |items: &[Item]| {
+        let middles = items.iter().map(Item::centroid);
+        Aabb::of(middles.filter(|middle| middle.is_finite()))
+    };
+    #[cfg(feature = "parallel")]
+    let around = unsorted
+        .par_chunks(SEQUENTIAL)
+        .map(finite)
+        .reduce(|| Aabb::EMPTY, Aabb::union);
+    #[cfg(not(feature = "parallel"))]
+    let around = finite(&unsorted);
     let grid = Grid::over(&around, [0, 1, 2].map(|axis| axes.has(axis)));
-    let mut codes: Vec<Coded> = unsorted
-        .iter()
-        .map(|item| Coded {
-            code: grid.code(item.centroid()),
-            id: item.id,
-        })
-        .collect();
-    morton::sort(
-        &mut codes,
-        &mut alloc::vec![Coded::default(); unsorted.len()],
-    );
-    let items = codes.iter().map(|coded| unsorted[coded.id as usize]);
-    let items = items.collect();
-    (codes, items)
+    let coded = |item: &Item| Coded {
+        code: grid.code(item.centroid()),
+        id: item.id(),
+    };
+    #[cfg(feature = "parallel")]
+    let mut codes: Vec<Coded> = unsorted.par_iter().map(coded).collect();
+    #[cfg(not(feature = "parallel"))]
+    let mut codes: Vec<Coded> = unsorted.iter().map(coded).collect();
+    let mut spare = alloc::vec![Coded::default(); unsorted.len()];
+    // A pass over the codes is a small part of what a level of a build takes.
+    if !morton::sort(&mut codes, &mut spare, &|codes| site.advance(codes / 2)) {
+        return None;
+    }
+    drop(spare);
+    let item = |coded: &Coded| unsorted[coded.id as usize];
+    #[cfg(feature = "parallel")]
+    let items = codes.par_iter().map(item).collect();
+    #[cfg(not(feature = "parallel"))]
+    let items = codes.iter().map(item).collect();
+    Some((codes, items))
 }
 
 struct ByBits<'r> {
@@ -115,7 +131,7 @@ impl<'r> Divide for ByBits<'r> {
         Item::around(part.1)
     }
     fn list(&self, part: &Self::Part, order: &mut Vec<u32>) {
-        order.extend(part.1.iter().map(|item| item.id));
+        order.extend(part.1.iter().map(Item::id));
     }
     fn divide(&self, part: Self::Part, may_choose: bool) -> Divided<Self::Part> {
         let (codes, items) = part;
@@ -134,7 +150,7 @@ impl<'r> Divide for ByBits<'r> {
     }
 }
 
-bvh_settings!(
+bvh_builder!(
     Lbvh,
     "bvh:lbvh",
     |builder| [

@@ -7,7 +7,6 @@
 
 use super::{BinaryTree, Split, top_down};
 use crate::accel::bvh::tree::MAX_LEAF;
-use crate::accel::limits::unlimited;
 use crate::accel::settings::Setting;
 use crate::accel::{Axes, BuildError, Limits};
 use crate::primitive::Primitives;
@@ -31,18 +30,9 @@ impl Default for Median {
 }
 
 impl Median {
-    /// Builds a tree; it cannot fail.
-    pub fn build(&self, primitives: &impl Primitives) -> BinaryTree {
-        unlimited(self.build_within(primitives, &Limits::NONE))
-    }
-
-    /// Builds a tree within limits.
-    ///
-    /// # Errors
-    /// When the limits end the build.
-    pub fn build_within(
+    fn tree(
         &self,
-        primitives: &impl Primitives,
+        primitives: &(impl Primitives + Sync),
         limits: &Limits<'_>,
     ) -> Result<BinaryTree, BuildError> {
         let max_leaf = self.max_leaf.clamp(1, MAX_LEAF);
@@ -55,14 +45,14 @@ impl Median {
             items.select_nth_unstable_by(middle, |a, b| {
                 a.centroid()[axis]
                     .total_cmp(&b.centroid()[axis])
-                    .then(a.id.cmp(&b.id))
+                    .then(a.id().cmp(&b.id()))
             });
             Split::At(middle)
         })
     }
 }
 
-bvh_settings!(Median, "bvh:median", |builder| [
+bvh_builder!(Median, "bvh:median", |builder| [
     Setting::count("leaf", &mut builder.max_leaf, 1..=MAX_LEAF),
     Setting::axes(&mut builder.axes),
 ]);

@@ -11,7 +11,6 @@ use super::top_down::{Split, top_down_refined};
 use super::{BinaryTree, Item};
 use crate::accel::bvh::refine::Refine;
 use crate::accel::bvh::tree::MAX_LEAF;
-use crate::accel::limits::unlimited;
 use crate::accel::settings::Setting;
 use crate::accel::{Axes, BuildError, Limits};
 use crate::primitive::Primitives;
@@ -38,18 +37,9 @@ impl Default for Middle {
 }
 
 impl Middle {
-    /// Builds a tree; it cannot fail.
-    pub fn build(&self, primitives: &impl Primitives) -> BinaryTree {
-        unlimited(self.build_within(primitives, &Limits::NONE))
-    }
-
-    /// Builds a tree within limits.
-    ///
-    /// # Errors
-    /// When the limits end the build.
-    pub fn build_within(
+    fn tree(
         &self,
-        primitives: &impl Primitives,
+        primitives: &(impl Primitives + Sync),
         limits: &Limits<'_>,
     ) -> Result<BinaryTree, BuildError> {
         let max_leaf = self.max_leaf.clamp(1, MAX_LEAF);
@@ -72,7 +62,7 @@ impl Middle {
     }
 }
 
-bvh_settings!(
+bvh_builder!(
     Middle,
     "bvh:middle",
     |builder| [

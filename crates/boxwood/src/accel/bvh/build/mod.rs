@@ -13,10 +13,29 @@
 //!
 //! Large parts are built side by side in the caller's rayon pool; the tree does not depend on the threads.
 
-/// The [`Settings`](crate::accel::settings::Settings) of a builder whose trees go into a [`Bvh`](super::Bvh). With `+
-/// refine` the settings of its field `refine` follow its own.
-macro_rules! bvh_settings {
+/// What every builder whose trees go into a [`Bvh`](super::Bvh) has: `build` and `build_within` around its own `tree`, and
+/// its [`Settings`](crate::accel::settings::Settings). With `+ refine` the settings of its field `refine` follow its own.
+macro_rules! bvh_builder {
     ($builder:ty, $name:literal, |$it:ident| $settings:expr $(, + $refine:ident)?) => {
+        impl $builder {
+            /// Builds a tree; it cannot fail.
+            pub fn build(&self, primitives: &(impl Primitives + Sync)) -> BinaryTree {
+                crate::accel::limits::unlimited(self.build_within(primitives, &Limits::NONE))
+            }
+
+            /// Builds a tree within limits.
+            ///
+            /// # Errors
+            /// When the limits end the build.
+            pub fn build_within(
+                &self,
+                primitives: &(impl Primitives + Sync),
+                limits: &Limits<'_>,
+            ) -> Result<BinaryTree, BuildError> {
+                self.tree(primitives, limits)
+            }
+        }
+
         impl crate::accel::settings::Settings for $builder {
             const NAME: &'static str = $name;
             fn settings(&mut self) -> alloc::vec::Vec<Setting<'_>> {
@@ -42,6 +61,7 @@ macro_rules! bvh_settings {
 
 mod binned_sah;
 mod equal_counts;
+mod item;
 mod lbvh;
 mod median;
 mod middle;
@@ -57,50 +77,9 @@ pub use {
 };
 
 use super::tree::{BinaryNode, BinaryTree};
-use crate::geometry::{Aabb, Vec3};
-use crate::primitive::Primitives;
-use alloc::vec::Vec;
+use item::{Item, Sides, items};
 use top_down::{Extent, Split, top_down};
 
-/// A primitive, or a part of one, on its way through a builder.
-#[derive(Clone, Copy, Debug)]
-struct Item {
-    bounds: Aabb,
-    id: u32,
-}
-
-impl Item {
-    #[inline(always)]
-    fn centroid(&self) -> Vec3 {
-        self.bounds.centroid()
-    }
-
-    /// Around some items.
-    fn around(items: &[Self]) -> Aabb {
-        items
-            .iter()
-            .fold(Aabb::EMPTY, |b, item| b.union(item.bounds))
-    }
-
-    /// Orders items along an axis by their middles; `tie` decides between equal ones. Infinities and NaN have a place too.
-    #[inline(always)]
-    fn key(&self, axis: usize, tie: u32) -> u64 {
-        let bits = self.centroid()[axis].to_bits();
-        // Flips all bits of negative numbers and the sign of the others: then they ascend like whole numbers.
-        let place = bits ^ (((bits as i32 >> 31) as u32) | 1 << 31);
-        u64::from(place) << 32 | u64::from(tie)
-    }
-}
-
-/// The bytes that a builder needs for each primitive: its item, and twice (halves and what they are joined to, or a tree and
+/// The bytes that a builder needs for each primitive: its item, and twice (parts and what they are joined to, or a tree and
 /// its layout) two nodes at most and a place in the order.
 const BYTES_EACH: usize = size_of::<Item>() + 2 * (2 * size_of::<BinaryNode>() + size_of::<u32>());
-
-/// Every primitive with its box, in order.
-fn items(primitives: &impl Primitives) -> Vec<Item> {
-    let item = |i| Item {
-        bounds: primitives.bounds(i),
-        id: i as u32,
-    };
-    (0..primitives.len()).map(item).collect()
-}

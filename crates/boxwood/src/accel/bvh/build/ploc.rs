@@ -12,19 +12,21 @@
 //!
 //! *Source.* Meister & Bittner 2018, *Parallel Locally-Ordered Clustering for Bounding Volume Hierarchy Construction*.
 
+mod partners;
+
 use super::lbvh::{CURVE_BYTES_EACH, along_curve};
-#[cfg(feature = "parallel")]
-use super::top_down::SEQUENTIAL;
 use super::top_down::work;
-use super::{BYTES_EACH, BinaryNode, BinaryTree};
+use super::{BYTES_EACH, BinaryNode, BinaryTree, Item};
 use crate::accel::bvh::refine::{Refine, collapse_leaves};
 use crate::accel::bvh::tree::MAX_LEAF;
-use crate::accel::limits::{Site, unlimited};
+use crate::accel::limits::Site;
 use crate::accel::settings::Setting;
 use crate::accel::{Axes, BuildError, Limits};
 use crate::geometry::Aabb;
 use crate::primitive::Primitives;
 use alloc::vec::Vec;
+use core::ops::Range;
+use partners::{CHUNK, MAX_RADIUS, Scratch};
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
 
@@ -41,8 +43,8 @@ pub struct Ploc {
     pub refine: Refine,
 }
 
-/// The widest search.
-const MAX_RADIUS: usize = 256;
+/// Clusters that one thread joins at once.
+const RUN: usize = 4096;
 /// Where less than this part of the clusters agree, neighbours on the curve are joined.
 const TOO_FEW: usize = 16;
 
@@ -58,36 +60,33 @@ impl Default for Ploc {
 }
 
 impl Ploc {
-    /// Builds a tree; it cannot fail.
-    pub fn build(&self, primitives: &impl Primitives) -> BinaryTree {
-        unlimited(self.build_within(primitives, &Limits::NONE))
-    }
-
-    /// Builds a tree within limits.
-    ///
-    /// # Errors
-    /// When the limits end the build.
-    pub fn build_within(
+    fn tree(
         &self,
-        primitives: &impl Primitives,
+        primitives: &(impl Primitives + Sync),
         limits: &Limits<'_>,
     ) -> Result<BinaryTree, BuildError> {
         let count = primitives.len();
         let site = Site::new(limits, work(count, self.refine));
-        let clusters = size_of::<BinaryNode>() + size_of::<u32>();
+        let clusters = 2 * size_of::<BinaryNode>() + size_of::<u32>();
         let bytes = BYTES_EACH + CURVE_BYTES_EACH + clusters;
         if count == 0 || !site.take(bytes.saturating_mul(count)) {
             return site.finish(BinaryTree::default());
         }
-        let (codes, items) = along_curve(primitives, self.axes);
+        let Some((codes, items)) = along_curve(primitives, self.axes, &site) else {
+            return site.finish(BinaryTree::default());
+        };
         drop(codes);
-        let order = items.iter().map(|item| item.id).collect();
-        let clusters = items.iter().enumerate().map(|(place, item)| BinaryNode {
-            bounds: Aabb::EMPTY.union(item.bounds),
+        let cluster_of = |(place, item): (usize, &Item)| BinaryNode {
+            bounds: Aabb::EMPTY.union(item.bounds()),
             first: place as u32,
             count: 1,
-        });
-        let clusters = clusters.collect();
+        };
+        #[cfg(feature = "parallel")]
+        let items_in_order = items.par_iter();
+        #[cfg(not(feature = "parallel"))]
+        let items_in_order = items.iter();
+        let clusters = items_in_order.clone().enumerate().map(cluster_of).collect();
+        let order = items_in_order.map(Item::id).collect();
         drop(items);
         let radius = self.radius.clamp(1, MAX_RADIUS);
         let mut tree = BinaryTree {
@@ -107,91 +106,152 @@ fn cluster(mut clusters: Vec<BinaryNode>, radius: usize, site: &Site<'_>) -> Vec
     let mut nodes = Vec::with_capacity(2 * clusters.len());
     // The root's place.
     nodes.push(clusters[0]);
-    let mut partners = Vec::new();
+    let (mut partners, mut joined) = (Vec::new(), Vec::new());
     while clusters.len() > 1 {
-        if !site.advance(4 * clusters.len()) {
+        if !find_partners(&clusters, radius, &mut partners, site) {
             return nodes;
         }
-        find_partners(&clusters, radius, &mut partners);
-        let agree = |i: usize| partners[partners[i] as usize] as usize == i;
-        let pairs = (0..clusters.len()).filter(|&i| agree(i)).count() / 2;
+        let pairs = join(&clusters, &partners, &mut joined, &mut nodes);
         if pairs * TOO_FEW < clusters.len() {
+            nodes.truncate(nodes.len() - 2 * pairs);
             let last = clusters.len() - 1;
             partners.clear();
             // The last of an odd number stays alone.
             partners.extend((0..=last).map(|i| (i ^ 1).min(last) as u32));
+            join(&clusters, &partners, &mut joined, &mut nodes);
         }
-        let mut kept = 0;
-        for i in 0..clusters.len() {
-            let partner = partners[i] as usize;
-            let agree = partner != i && partners[partner] as usize == i;
-            // The second of a pair has gone into the place of the first.
-            if agree && partner < i {
-                continue;
-            }
-            clusters[kept] = if agree {
-                let pair = [clusters[i], clusters[partner]];
-                let first = nodes.len() as u32;
-                nodes.extend(pair);
-                BinaryNode {
-                    bounds: pair[0].bounds.union(pair[1].bounds),
-                    first,
-                    count: 0,
-                }
-            } else {
-                clusters[i]
-            };
-            kept += 1;
-        }
-        clusters.truncate(kept);
+        core::mem::swap(&mut clusters, &mut joined);
     }
     nodes[0] = clusters[0];
     nodes
 }
 
-/// For each cluster the one that it would like to join.
-fn find_partners(clusters: &[BinaryNode], radius: usize, partners: &mut Vec<u32>) {
-    let find = |i: usize| partner(clusters, i, radius) as u32;
-    #[cfg(feature = "parallel")]
-    if clusters.len() > SEQUENTIAL {
-        (0..clusters.len())
-            .into_par_iter()
-            .with_min_len(SEQUENTIAL / 4)
-            .map(find)
-            .collect_into_vec(partners);
-        return;
-    }
-    partners.clear();
-    partners.extend((0..clusters.len()).map(find));
-}
-
-/// The cluster within the radius with which the common box is smallest.
-///
-/// Pairs are compared by area, then by the bits in which their numbers differ, which no two pairs of one cluster share:
-/// so the best pair of all has chosen each other, and every round joins some.
-#[inline]
-fn partner(clusters: &[BinaryNode], i: usize, radius: usize) -> usize {
-    let mine = clusters[i].bounds;
-    let mut best = (f32::INFINITY, usize::MAX, i);
-    let first = i.saturating_sub(radius);
-    let last = (i + radius).min(clusters.len() - 1);
-    for (j, other) in (first..).zip(&clusters[first..=last]) {
-        let area = mine.union(other.bounds).half_area();
-        // An infinite box that is flat has the area NaN.
-        let area = if area < f32::INFINITY {
-            area
-        } else {
-            f32::INFINITY
-        };
-        let differ = i ^ j;
-        if area <= best.0 && j != i && (area < best.0 || differ < best.1) {
-            best = (area, differ, j);
+/// For each cluster the one that it would like to join; `false` when the build is over.
+fn find_partners(
+    clusters: &[BinaryNode],
+    radius: usize,
+    partners: &mut Vec<u32>,
+    site: &Site<'_>,
+) -> bool {
+    partners.resize(clusters.len(), 0);
+    let find_some = |scratch: &mut Scratch, (chunk, partners): (usize, &mut [u32])| {
+        if site.advance(4 * partners.len()) {
+            scratch.find(clusters, radius, chunk * CHUNK, partners);
         }
+    };
+    #[cfg(feature = "parallel")]
+    partners
+        .par_chunks_mut(CHUNK)
+        .enumerate()
+        .for_each_init(Scratch::new, find_some);
+    #[cfg(not(feature = "parallel"))]
+    {
+        let mut scratch = Scratch::new();
+        let chunks = partners.chunks_mut(CHUNK).enumerate();
+        chunks.for_each(|chunk| find_some(&mut scratch, chunk));
     }
-    best.2
+    !site.is_over()
 }
 
-bvh_settings!(
+/// What becomes of a cluster in one round.
+enum Fate {
+    /// It stays as it is.
+    Alone,
+    /// It becomes a node above itself and this one.
+    First(usize),
+    /// It has gone into the place of the first of its pair.
+    Second,
+}
+
+#[inline(always)]
+fn fate(i: usize, partners: &[u32]) -> Fate {
+    let partner = partners[i] as usize;
+    if partner == i || partners[partner] as usize != i {
+        Fate::Alone
+    } else if partner < i {
+        Fate::Second
+    } else {
+        Fate::First(partner)
+    }
+}
+
+/// Joins those who have chosen each other: the clusters that are left, and the nodes of the pairs behind the others. How
+/// many pairs there were.
+fn join(
+    clusters: &[BinaryNode],
+    partners: &[u32],
+    joined: &mut Vec<BinaryNode>,
+    nodes: &mut Vec<BinaryNode>,
+) -> usize {
+    const BLANK: BinaryNode = BinaryNode {
+        bounds: Aabb::EMPTY,
+        first: 0,
+        count: 0,
+    };
+    let runs = (0..clusters.len()).step_by(RUN);
+    let runs = runs.map(|first| first..(first + RUN).min(clusters.len()));
+    let runs: Vec<Range<usize>> = runs.collect();
+    // How many pairs begin in a run, and how many clusters are left of it.
+    let count = |run: &Range<usize>| {
+        run.clone().fold((0, 0), |(pairs, left), i| {
+            let (first, gone) = match fate(i, partners) {
+                Fate::Alone => (0, 0),
+                Fate::First(_) => (1, 0),
+                Fate::Second => (0, 1),
+            };
+            (pairs + first, left + 1 - gone)
+        })
+    };
+    #[cfg(feature = "parallel")]
+    let counts: Vec<(usize, usize)> = runs.par_iter().map(count).collect();
+    #[cfg(not(feature = "parallel"))]
+    let counts: Vec<(usize, usize)> = runs.iter().map(count).collect();
+    let pairs = counts.iter().map(|count| count.0).sum();
+    let before = nodes.len();
+    nodes.resize(before + 2 * pairs, BLANK);
+    joined.clear();
+    joined.resize(clusters.len() - pairs, BLANK);
+    // Each run writes to slices of its own.
+    let mut rest = (&mut joined[..], &mut nodes[before..]);
+    let mut at = before;
+    let mut tasks = Vec::with_capacity(runs.len());
+    for (run, &(pairs, left)) in runs.into_iter().zip(&counts) {
+        let (joined, others) = core::mem::take(&mut rest.0).split_at_mut(left);
+        let (nodes, more) = core::mem::take(&mut rest.1).split_at_mut(2 * pairs);
+        rest = (others, more);
+        tasks.push((run, at, joined, nodes));
+        at += 2 * pairs;
+    }
+    let write =
+        |(run, at, joined, nodes): (Range<usize>, usize, &mut [BinaryNode], &mut [BinaryNode])| {
+            let left = run.filter_map(|i| match fate(i, partners) {
+                Fate::Alone => Some((i, i)),
+                Fate::First(partner) => Some((i, partner)),
+                Fate::Second => None,
+            });
+            let mut pairs = (at as u32..).step_by(2).zip(nodes.as_chunks_mut::<2>().0);
+            for (to, (i, partner)) in joined.iter_mut().zip(left) {
+                *to = clusters[i];
+                if partner != i
+                    && let Some((first, [a, b])) = pairs.next()
+                {
+                    (*a, *b) = (clusters[i], clusters[partner]);
+                    *to = BinaryNode {
+                        bounds: a.bounds.union(b.bounds),
+                        first,
+                        count: 0,
+                    };
+                }
+            }
+        };
+    #[cfg(feature = "parallel")]
+    tasks.into_par_iter().for_each(write);
+    #[cfg(not(feature = "parallel"))]
+    tasks.into_iter().for_each(write);
+    pairs
+}
+
+bvh_builder!(
     Ploc,
     "bvh:ploc",
     |builder| [

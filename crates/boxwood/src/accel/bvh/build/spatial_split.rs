@@ -16,11 +16,11 @@ mod planes;
 
 use super::sweep::{Cut, Slot, cheapest_cut};
 use super::top_down::{Divide, Divided, grow, work};
-use super::{BYTES_EACH, BinaryTree, Item, items};
+use super::{BYTES_EACH, BinaryTree, Item, Sides, items};
 use crate::accel::bvh::refine::Refine;
 use crate::accel::bvh::tree::MAX_LEAF;
 use crate::accel::cells::Space;
-use crate::accel::limits::{Site, unlimited};
+use crate::accel::limits::Site;
 use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
 use crate::accel::settings::Setting;
 use crate::accel::{Axes, BuildError, Limits};
@@ -63,16 +63,7 @@ impl Default for SpatialSplit {
 }
 
 impl SpatialSplit {
-    /// Builds a tree; it cannot fail.
-    pub fn build(&self, primitives: &(impl Primitives + Sync)) -> BinaryTree {
-        unlimited(self.build_within(primitives, &Limits::NONE))
-    }
-
-    /// Builds a tree within limits.
-    ///
-    /// # Errors
-    /// When the limits end the build.
-    pub fn build_within(
+    fn tree(
         &self,
         primitives: &(impl Primitives + Sync),
         limits: &Limits<'_>,
@@ -160,7 +151,7 @@ impl<P: Primitives + Sync> Splitter<'_, P> {
             keys.extend((0..).zip(items).map(|(i, item)| item.key(axis, i)));
             keys.sort_unstable();
             let cut = cheapest_cut(items.len(), u32::MAX, behind, |i| Slot {
-                bounds: items[keys[i] as u32 as usize].bounds,
+                sides: items[keys[i] as u32 as usize].sides(),
                 begin: 1,
                 end: 1,
             });
@@ -193,7 +184,7 @@ impl<P: Primitives + Sync> Divide for Splitter<'_, P> {
         part.bounds
     }
     fn list(&self, part: &References, order: &mut Vec<u32>) {
-        order.extend(part.items.iter().map(|item| item.id));
+        order.extend(part.items.iter().map(Item::id));
     }
     fn divide(&self, part: References, may_choose: bool) -> Divided<References> {
         let len = part.items.len();
@@ -202,8 +193,9 @@ impl<P: Primitives + Sync> Divide for Splitter<'_, P> {
         };
         let item = |key: &u64| part.items[*key as u32 as usize];
         let around = |keys: &[u64]| {
-            let bounds = keys.iter().map(|key| item(key).bounds);
-            bounds.fold(Aabb::EMPTY, Aabb::union)
+            let sides = keys.iter().map(|key| item(key).sides());
+            let around = sides.fold(Sides::EMPTY, |a, b| a.around(&b));
+            around.bounds()
         };
         let at = if may_choose { object.cut.at } else { len / 2 };
         let (left, right) = object.keys.split_at(at);
@@ -245,7 +237,7 @@ impl<P: Primitives + Sync> Divide for Splitter<'_, P> {
     }
 }
 
-bvh_settings!(
+bvh_builder!(
     SpatialSplit,
     "bvh:sbvh",
     |builder| [

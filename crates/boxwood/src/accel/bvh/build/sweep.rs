@@ -5,12 +5,12 @@
 //!
 //! *Cost.* Two unions and one product a slot.
 
-use crate::geometry::Aabb;
+use super::Sides;
 
 /// One place in a row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slot {
-    pub bounds: Aabb,
+    pub sides: Sides,
     /// How many primitives begin here: they count on the left of every later cut.
     pub begin: u32,
     /// How many end here: they count on the right of every earlier cut.
@@ -37,14 +37,17 @@ impl Cut {
 
 /// What some primitives cost: a number, even for infinite boxes that are flat.
 #[inline(always)]
-fn cost(bounds: &Aabb, count: u32) -> f32 {
-    let cost = bounds.half_area() * count as f32;
+fn cost(sides: &Sides, count: u32) -> f32 {
+    let cost = sides.half_area() * count as f32;
     if cost < f32::INFINITY {
         cost
     } else {
         f32::INFINITY
     }
 }
+
+/// Dearer than any cut.
+const NONE: u64 = u64::MAX;
 
 /// The cheapest cut of a row of `len` slots that leaves primitives on both sides and, where some are cut in two, at most
 /// `most` in all. `behind` is scratch for at least `len` numbers.
@@ -55,33 +58,34 @@ pub(super) fn cheapest_cut(
     behind: &mut [f32],
     slot: impl Fn(usize) -> Slot,
 ) -> Option<Cut> {
-    let mut bounds = Aabb::EMPTY;
+    let mut sides = Sides::EMPTY;
     let mut right = 0;
     for i in (1..len).rev() {
         let slot = slot(i);
-        (bounds, right) = (bounds.union(slot.bounds), right + slot.end);
-        behind[i] = cost(&bounds, right);
+        (sides, right) = (sides.around(&slot.sides), right + slot.end);
+        behind[i] = cost(&sides, right);
     }
-    let mut best: Option<Cut> = None;
-    let mut bounds = Aabb::EMPTY;
+    // Cost above evenness in one number, the least of which is the best: positive floats ascend like whole numbers. A
+    // branch would be foreseen badly.
+    let (mut best, mut best_at) = (NONE, 0);
+    let mut sides = Sides::EMPTY;
     let mut left = 0;
     for at in 1..len {
         let before = slot(at - 1);
-        (bounds, left) = (bounds.union(before.bounds), left + before.begin);
+        (sides, left) = (sides.around(&before.sides), left + before.begin);
         if at > 1 {
             right -= before.end;
         }
-        if left == 0 || right == 0 || left + right > most {
-            continue;
-        }
-        let cut = Cut {
-            at,
-            cost: cost(&bounds, left) + behind[at],
-            smaller_half: left.min(right),
-        };
-        if best.as_ref().is_none_or(|best| cut.is_better(best)) {
-            best = Some(cut);
-        }
+        let cost = cost(&sides, left) + behind[at];
+        let cut = u64::from(cost.to_bits()) << 32 | u64::from(!left.min(right));
+        let counts = (left != 0) & (right != 0) & (left + right <= most);
+        let cut = if counts { cut } else { NONE };
+        best_at = if cut < best { at } else { best_at };
+        best = best.min(cut);
     }
-    best
+    (best != NONE).then(|| Cut {
+        at: best_at,
+        cost: f32::from_bits((best >> 32) as u32),
+        smaller_half: !(best as u32),
+    })
 }

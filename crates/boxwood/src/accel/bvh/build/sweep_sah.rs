@@ -5,7 +5,7 @@
 //! and they are few enough for a leaf. The other two rows are then parted without losing their order, so that nothing is
 //! ever sorted again.
 //!
-//! *Cost.* O(n log n), 112 bytes a primitive while it builds.
+//! *Cost.* O(n log n), 140 bytes a primitive while it builds, beside the tree.
 //!
 //! *Source.* Goldsmith & Salmon 1987; MacDonald & Booth 1990; the presorted rows of Wald & Havran 2006 and Wald 2007.
 
@@ -16,11 +16,12 @@ use super::top_down::{Divide, Divided, grow, work};
 use super::{BYTES_EACH, BinaryTree, Item, items};
 use crate::accel::bvh::refine::Refine;
 use crate::accel::bvh::tree::MAX_LEAF;
-use crate::accel::limits::{Site, unlimited};
+use crate::accel::limits::Site;
 use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
 use crate::accel::settings::Setting;
 use crate::accel::{Axes, BuildError, Limits};
 use crate::geometry::Aabb;
+use crate::geometry::morton::{self, Coded};
 use crate::primitive::Primitives;
 use alloc::vec::Vec;
 use core::marker::PhantomData;
@@ -48,38 +49,29 @@ impl Default for SweepSah {
     }
 }
 
-/// Three rows of items, and one more that parting needs.
+/// Three rows of items, and one more that parting needs. Weighing the cuts of a row takes a number for each item.
 const ROWS: usize = 4;
 
 impl SweepSah {
-    /// Builds a tree; it cannot fail.
-    pub fn build(&self, primitives: &impl Primitives) -> BinaryTree {
-        unlimited(self.build_within(primitives, &Limits::NONE))
-    }
-
-    /// Builds a tree within limits.
-    ///
-    /// # Errors
-    /// When the limits end the build.
-    pub fn build_within(
+    fn tree(
         &self,
-        primitives: &impl Primitives,
+        primitives: &(impl Primitives + Sync),
         limits: &Limits<'_>,
     ) -> Result<BinaryTree, BuildError> {
         let count = primitives.len();
         let site = Site::new(limits, work(count, self.refine));
-        let bytes = BYTES_EACH + (ROWS - 1) * size_of::<Item>();
+        let bytes = BYTES_EACH + (ROWS - 1) * size_of::<Item>() + 3 * size_of::<f32>();
         if count == 0 || !site.take(bytes.saturating_mul(count)) {
             return site.finish(BinaryTree::default());
         }
         let mut spare = items(primitives);
-        let mut rows = [0, 1, 2].map(|axis| {
-            if self.axes.has(axis) {
-                sorted(&spare, axis)
-            } else {
-                Vec::new()
-            }
-        });
+        let mut rows = [const { Vec::new() }; 3];
+        for axis in self.axes.iter() {
+            let Some(row) = sorted(&spare, axis, &site) else {
+                return site.finish(BinaryTree::default());
+            };
+            rows[axis] = row;
+        }
         let sweep = Sweep {
             axes: self.axes,
             max_leaf: self.max_leaf.clamp(1, MAX_LEAF),
@@ -97,16 +89,32 @@ impl SweepSah {
     }
 }
 
-/// The items by their middles along an axis.
-fn sorted(items: &[Item], axis: usize) -> Vec<Item> {
-    let mut row = items.to_vec();
-    #[cfg(feature = "parallel")]
-    if row.len() > SEQUENTIAL {
-        row.par_sort_unstable_by_key(|item| item.key(axis, item.id));
-        return row;
+/// What sorting along one axis needs for each item.
+const SORT_BYTES_EACH: usize = 2 * size_of::<Coded>();
+
+/// The items, which lie in the order of their numbers, by their middles along an axis; `None` when the build is over.
+fn sorted(items: &[Item], axis: usize, site: &Site<'_>) -> Option<Vec<Item>> {
+    let bytes = SORT_BYTES_EACH.saturating_mul(items.len());
+    if !site.take(bytes) {
+        return None;
     }
-    row.sort_unstable_by_key(|item| item.key(axis, item.id));
-    row
+    let coded = |(place, item): (usize, &Item)| Coded {
+        code: item.key(axis, 0) >> 32,
+        id: place as u32,
+    };
+    #[cfg(feature = "parallel")]
+    let mut codes: Vec<Coded> = items.par_iter().enumerate().map(coded).collect();
+    #[cfg(not(feature = "parallel"))]
+    let mut codes: Vec<Coded> = items.iter().enumerate().map(coded).collect();
+    let mut spare = alloc::vec![Coded::default(); items.len()];
+    let is_sorted = morton::sort(&mut codes, &mut spare, &|codes| site.advance(codes / 4));
+    let item = |coded: &Coded| items[coded.id as usize];
+    #[cfg(feature = "parallel")]
+    let row = codes.par_iter().map(item).collect();
+    #[cfg(not(feature = "parallel"))]
+    let row = codes.iter().map(item).collect();
+    site.give(bytes);
+    is_sorted.then_some(row)
 }
 
 struct Sweep<'i> {
@@ -128,7 +136,7 @@ impl Sweep<'_> {
     fn cut(row: &[Item], axis: usize) -> Option<(usize, Cut)> {
         let weigh = |behind: &mut [f32]| {
             let cut = cheapest_cut(row.len(), u32::MAX, behind, |i| Slot {
-                bounds: row[i].bounds,
+                sides: row[i].sides(),
                 begin: 1,
                 end: 1,
             });
@@ -167,7 +175,7 @@ impl<'i> Divide for Sweep<'i> {
     }
     fn list(&self, part: &Rows<'i>, order: &mut Vec<u32>) {
         let row = &part.by_axis[self.axes.iter().next().unwrap_or(0)];
-        order.extend(row.iter().map(|item| item.id));
+        order.extend(row.iter().map(Item::id));
     }
     fn divide(&self, part: Rows<'i>, may_choose: bool) -> Divided<Rows<'i>> {
         let len = part.spare.len();
@@ -186,7 +194,7 @@ impl<'i> Divide for Sweep<'i> {
         let at = if may_choose { cut.at } else { len / 2 };
         let Rows { by_axis, spare, .. } = part;
         let first_right = &by_axis[axis][at];
-        let border = first_right.key(axis, first_right.id);
+        let border = first_right.key(axis, first_right.id());
         let mut bounds = [Aabb::EMPTY; 2];
         let mut axes = 0..3;
         let halves = by_axis.map(|row| {
@@ -199,7 +207,7 @@ impl<'i> Divide for Sweep<'i> {
                 bounds = [Item::around(left), Item::around(right)];
                 return (left, right);
             }
-            part_in_order(row, spare, |item| item.key(axis, item.id) < border);
+            part_in_order(row, spare, |item| item.key(axis, item.id()) < border);
             row.split_at_mut(at)
         });
         let [x, y, z] = halves;
@@ -234,7 +242,7 @@ fn part_in_order(row: &mut [Item], spare: &mut [Item], goes_left: impl Fn(&Item)
     row[left..].copy_from_slice(&spare[..right]);
 }
 
-bvh_settings!(
+bvh_builder!(
     SweepSah,
     "bvh:sweep",
     |builder| [

@@ -4,6 +4,8 @@
 //! Most parts are slices of items that are reordered in place: for those a closure is enough ([`top_down`]).
 
 use super::{BYTES_EACH, Item, items};
+#[cfg(feature = "parallel")]
+use crate::accel::bvh::assemble::Parts;
 use crate::accel::bvh::refine::Refine;
 use crate::accel::bvh::tree::{BinaryNode, BinaryTree, MAX_DEPTH};
 use crate::accel::limits::Site;
@@ -12,8 +14,6 @@ use crate::geometry::Aabb;
 use crate::primitive::Primitives;
 use alloc::vec::Vec;
 use core::marker::PhantomData;
-#[cfg(feature = "parallel")]
-use rayon::prelude::*;
 
 /// How a builder divides what a node holds.
 pub(super) trait Divide: Sync {
@@ -21,7 +21,7 @@ pub(super) trait Divide: Sync {
     type Part: Send;
     /// How many primitives.
     fn len(&self, part: &Self::Part) -> usize;
-    /// Around all of them.
+    /// Around all of them; asked for leaves only.
     fn bounds(&self, part: &Self::Part) -> Aabb;
     /// Divides a part, never into one that is empty or that holds more primitives than the whole.
     ///
@@ -56,15 +56,15 @@ pub(super) fn work(len: usize, refine: Refine) -> usize {
 /// Grows the tree of everything.
 pub(super) fn grow<D: Divide>(divide: &D, all: D::Part, site: &Site<'_>) -> BinaryTree {
     let expected = levels(divide.len(&all));
-    subtree(
-        all,
-        0,
-        &Work {
-            divide,
-            site,
-            expected,
-        },
-    )
+    let work = Work {
+        divide,
+        site,
+        expected,
+    };
+    #[cfg(feature = "parallel")]
+    return parts(all, 0, &work).join();
+    #[cfg(not(feature = "parallel"))]
+    subtree(all, 0, &work)
 }
 
 /// What all parts of one build share.
@@ -75,98 +75,115 @@ struct Work<'a, D> {
     expected: usize,
 }
 
-/// Builds the tree of a part that lies at some depth. Its root comes first.
-fn subtree<D: Divide>(part: D::Part, depth: usize, work: &Work<'_, D>) -> BinaryTree {
-    let divide = work.divide;
-    // Said to be a leaf or not when its part is divided.
-    let undecided = |part: &D::Part| BinaryNode {
-        bounds: divide.bounds(part),
+impl<D: Divide> Work<'_, D> {
+    /// Divides a part that lies at some depth, and tells the site.
+    fn divide(&self, part: D::Part, depth: usize) -> Divided<D::Part> {
+        let len = self.divide.len(&part);
+        let may_choose = depth + levels(len) < MAX_DEPTH;
+        let divided = self.divide.divide(part, may_choose);
+        self.site.advance(match divided {
+            Divided::Leaf(_) => len * (1 + self.expected.saturating_sub(depth)),
+            Divided::Halves(_) => len,
+        });
+        divided
+    }
+}
+
+/// Builds the tree of a part that lies at some depth; large ones side by side.
+#[cfg(feature = "parallel")]
+fn parts<D: Divide>(part: D::Part, depth: usize, work: &Work<'_, D>) -> Parts {
+    if work.divide.len(&part) <= SEQUENTIAL || work.site.is_over() {
+        return Parts::Whole(subtree(part, depth, work));
+    }
+    match work.divide(part, depth) {
+        Divided::Leaf(part) => Parts::Whole(leaf(part, work)),
+        Divided::Halves([left, right]) => {
+            let (left, right) = rayon::join(
+                || parts(left, depth + 1, work),
+                || parts(right, depth + 1, work),
+            );
+            let bounds = left.bounds().union(right.bounds());
+            Parts::pair([left, right], bounds)
+        }
+    }
+}
+
+const UNDECIDED: BinaryNode = BinaryNode {
+    bounds: Aabb::EMPTY,
+    first: 0,
+    count: 0,
+};
+
+/// A tree of one leaf.
+#[cfg(feature = "parallel")]
+fn leaf<D: Divide>(part: D::Part, work: &Work<'_, D>) -> BinaryTree {
+    let mut order = Vec::new();
+    work.divide.list(&part, &mut order);
+    let root = BinaryNode {
+        bounds: work.divide.bounds(&part),
         first: 0,
-        count: 0,
+        count: order.len() as u32,
     };
-    let mut tree = BinaryTree {
-        nodes: alloc::vec![undecided(&part)],
-        order: Vec::new(),
-    };
+    BinaryTree {
+        nodes: alloc::vec![root],
+        order,
+    }
+}
+
+/// Builds the tree of a part that lies at some depth, by one thread. Its root comes first.
+fn subtree<D: Divide>(part: D::Part, depth: usize, work: &Work<'_, D>) -> BinaryTree {
+    let len = work.divide.len(&part);
+    // Leaves of two are the fewest that most builders come to.
+    let mut nodes = Vec::with_capacity(len);
+    let mut order = Vec::with_capacity(len);
+    nodes.push(UNDECIDED);
     let mut open = alloc::vec![(0, part, depth)];
     while let Some((node, part, depth)) = open.pop() {
         if work.site.is_over() {
-            return tree;
+            break;
         }
-        let len = divide.len(&part);
-        let may_choose = depth + levels(len) < MAX_DEPTH;
-        let halves = match divide.divide(part, may_choose) {
+        match work.divide(part, depth) {
             Divided::Leaf(part) => {
-                work.site
-                    .advance(len * (1 + work.expected.saturating_sub(depth)));
-                let first = tree.order.len();
-                divide.list(&part, &mut tree.order);
-                tree.nodes[node].first = first as u32;
-                tree.nodes[node].count = (tree.order.len() - first) as u32;
-                continue;
+                let first = order.len();
+                work.divide.list(&part, &mut order);
+                nodes[node] = BinaryNode {
+                    bounds: work.divide.bounds(&part),
+                    first: first as u32,
+                    count: (order.len() - first) as u32,
+                };
             }
-            Divided::Halves(halves) => halves,
-        };
-        work.site.advance(len);
-        let pair = tree.nodes.len();
-        tree.nodes[node].first = pair as u32;
-        let [left, right] = halves;
-        #[cfg(feature = "parallel")]
-        if len > SEQUENTIAL {
-            let (left, right) = rayon::join(
-                || subtree(left, depth + 1, work),
-                || subtree(right, depth + 1, work),
-            );
-            append_pair(&mut tree, [left, right]);
-            continue;
+            Divided::Halves([left, right]) => {
+                let pair = nodes.len();
+                nodes[node].first = pair as u32;
+                nodes.extend([UNDECIDED; 2]);
+                open.push((pair + 1, right, depth + 1));
+                open.push((pair, left, depth + 1));
+            }
         }
-        tree.nodes.extend([undecided(&left), undecided(&right)]);
-        open.push((pair + 1, right, depth + 1));
-        open.push((pair, left, depth + 1));
     }
-    tree
-}
-
-/// Two finished subtrees behind what is there: both roots, then what is below the one and the other.
-#[cfg(feature = "parallel")]
-fn append_pair(tree: &mut BinaryTree, halves: [BinaryTree; 2]) {
-    let (at, places) = (tree.nodes.len(), tree.order.len());
-    // Children in the left half move by `at + 1`, those in the right half by the left half's length more.
-    let moves = [
-        (at + 1, places),
-        (at + halves[0].nodes.len(), places + halves[0].order.len()),
-    ];
-    let moved = |node: &BinaryNode, (children, places): (usize, usize)| BinaryNode {
-        first: node.first + if node.is_leaf() { places } else { children } as u32,
-        ..*node
-    };
-    // Exactly, because doubling would take more than the builder has asked for.
-    let more: usize = halves.iter().map(|half| half.nodes.len()).sum();
-    tree.nodes.reserve_exact(more);
-    tree.order
-        .reserve_exact(halves[0].order.len() + halves[1].order.len());
-    for (half, by) in halves.iter().zip(moves) {
-        tree.nodes.push(moved(&half.nodes[0], by));
+    // Children come after their parents.
+    for i in (0..nodes.len()).rev() {
+        let first = nodes[i].first as usize;
+        if !nodes[i].is_leaf()
+            && let Some([a, b]) = nodes.get(first..first + 2)
+        {
+            nodes[i].bounds = a.bounds.union(b.bounds);
+        }
     }
-    for (half, by) in halves.iter().zip(moves) {
-        tree.nodes
-            .extend(half.nodes[1..].iter().map(|node| moved(node, by)));
-        tree.order.extend(&half.order);
-    }
+    BinaryTree { nodes, order }
 }
 
 /// What a builder says of some items.
 pub(super) enum Split {
     /// They stay together.
     Leaf,
-    /// They were reordered, and the second half begins here.
+    /// They were reordered, and the second half begins here; where that leaves nothing on one side they are cut in the
+    /// middle.
     At(usize),
-    /// They lie all in one place, or no cut is worth more than another: cut them in the middle.
-    Halve,
 }
 
 /// Splits slices top-down: `split` reorders its slice and says where to cut.
-pub(super) fn top_down<P: Primitives>(
+pub(super) fn top_down<P: Primitives + Sync>(
     primitives: &P,
     axes: Axes,
     limits: &Limits<'_>,
@@ -176,7 +193,7 @@ pub(super) fn top_down<P: Primitives>(
 }
 
 /// The same, and refines the tree.
-pub(super) fn top_down_refined<P: Primitives>(
+pub(super) fn top_down_refined<P: Primitives + Sync>(
     primitives: &P,
     axes: Axes,
     refine: Refine,
@@ -219,12 +236,12 @@ impl<'i, S: Fn(&mut [Item], &Extent) -> Split + Sync> Divide for Slices<'i, '_, 
         let cut = match (self.split)(part, &Extent::of(part, self.axes)) {
             Split::Leaf => return Divided::Leaf(part),
             Split::At(cut) if may_choose && 0 < cut && cut < part.len() => cut,
-            Split::At(_) | Split::Halve => part.len() / 2,
+            Split::At(_) => part.len() / 2,
         };
         Divided::Halves(part.split_at_mut(cut).into())
     }
     fn list(&self, part: &Self::Part, order: &mut Vec<u32>) {
-        order.extend(part.iter().map(|item| item.id));
+        order.extend(part.iter().map(Item::id));
     }
 }
 
@@ -236,16 +253,8 @@ pub(super) struct Extent {
 
 impl Extent {
     pub fn of(items: &[Item], axes: Axes) -> Self {
-        #[cfg(feature = "parallel")]
-        if items.len() > 16 * SEQUENTIAL {
-            let around = items
-                .par_chunks(SEQUENTIAL)
-                .map(|items| Aabb::of(items.iter().map(Item::centroid)))
-                .reduce(|| Aabb::EMPTY, Aabb::union);
-            return Self { around, axes };
-        }
         Self {
-            around: Aabb::of(items.iter().map(Item::centroid)),
+            around: Item::around_middles(items).bounds(),
             axes,
         }
     }

@@ -64,7 +64,7 @@ impl Refine {
         }
         let count = tree.order.len();
         for _ in 0..self.rotate.min(Self::MOST) {
-            if !site.advance(count) || !rotation::round(tree) {
+            if !rotation::round(tree, site) {
                 break;
             }
         }

@@ -10,23 +10,37 @@
 
 use super::lay_out::lay_out;
 use super::{inner_area, parents_first};
+use crate::accel::Limits;
 use crate::accel::bvh::tree::BinaryTree;
+use crate::accel::limits::Site;
+
+/// Nodes between two looks at the clock.
+const CHUNK: usize = 4096;
 
 /// Rotates everywhere up to `rounds` times, as long as it saves something.
 pub fn rotation(tree: &mut BinaryTree, rounds: usize) {
+    let site = Site::new(&Limits::NONE, 1);
     for _ in 0..rounds {
-        if !round(tree) {
+        if !round(tree, &site) {
             break;
         }
     }
 }
 
 /// One round; whether it saved anything.
-pub(super) fn round(tree: &mut BinaryTree) -> bool {
+pub(super) fn round(tree: &mut BinaryTree, site: &Site<'_>) -> bool {
     let before = inner_area(tree);
     let mut rotated = tree.clone();
-    for i in parents_first(tree).into_iter().rev() {
-        rotate(&mut rotated, i as usize);
+    let mut nodes = parents_first(tree);
+    nodes.reverse();
+    for nodes in nodes.chunks(CHUNK) {
+        // There are nearly two nodes for each primitive.
+        if !site.advance(nodes.len() / 2) {
+            return false;
+        }
+        for &i in nodes {
+            rotate(&mut rotated, i as usize);
+        }
     }
     lay_out(&mut rotated, |_| false);
     let better = inner_area(&rotated) < before;

@@ -4,8 +4,8 @@
 //! begins in the first and ends in the last; a sweep over the bins gives the cost of the planes between them.
 
 use super::{References, Splitter};
-use crate::accel::bvh::build::Item;
 use crate::accel::bvh::build::sweep::{Cut, Slot, cheapest_cut};
+use crate::accel::bvh::build::{Item, Sides};
 use crate::geometry::Aabb;
 use crate::primitive::Primitives;
 use alloc::vec::Vec;
@@ -56,11 +56,11 @@ impl Bins {
 impl<P: Primitives + Sync> Splitter<'_, P> {
     /// The part of a reference between two planes; empty where only its box lies there.
     fn part(&self, item: &Item, axis: usize, lower: f32, upper: f32) -> Aabb {
-        let mut cell = item.bounds;
+        let mut cell = item.bounds();
         cell.lower[axis] = cell.lower[axis].max(lower);
         cell.upper[axis] = cell.upper[axis].min(upper);
-        let part = self.space.part(self.primitives, item.id as usize, &cell);
-        part.intersection(item.bounds)
+        let part = self.space.part(self.primitives, item.id() as usize, &cell);
+        part.intersection(item.bounds())
     }
 
     /// The cheapest plane that the node's spare references pay for.
@@ -87,24 +87,24 @@ impl<P: Primitives + Sync> Splitter<'_, P> {
 
     fn fill(&self, items: &[Item], bins: &Bins) -> [Slot; MAX_BINS] {
         let mut slots = [Slot {
-            bounds: Aabb::EMPTY,
+            sides: Sides::EMPTY,
             begin: 0,
             end: 0,
         }; MAX_BINS];
         let axis = bins.axis;
         for item in items {
-            let first = bins.bin(item.bounds.lower[axis]);
-            let last = bins.bin(item.bounds.upper[axis]).max(first);
+            let first = bins.bin(item.bounds().lower[axis]);
+            let last = bins.bin(item.bounds().upper[axis]).max(first);
             slots[first].begin += 1;
             slots[last].end += 1;
             if first == last {
-                slots[first].bounds = slots[first].bounds.union(item.bounds);
+                slots[first].sides = slots[first].sides.around(&item.sides());
                 continue;
             }
             for i in first..=last {
                 let part = self.part(item, axis, bins.plane(i), bins.plane(i + 1));
                 if !part.is_empty() {
-                    slots[i].bounds = slots[i].bounds.union(part);
+                    slots[i].sides = slots[i].sides.around(&Sides::of(&part));
                 }
             }
         }
@@ -118,9 +118,9 @@ impl<P: Primitives + Sync> Splitter<'_, P> {
         let mut right = Vec::with_capacity(part.items.len());
         let mut crossing = Vec::new();
         for item in &part.items {
-            if item.bounds.upper[axis] <= at {
+            if item.bounds().upper[axis] <= at {
                 left.push(*item);
-            } else if !(item.bounds.lower[axis] < at) {
+            } else if !(item.bounds().lower[axis] < at) {
                 right.push(*item);
             } else {
                 let lower = self.part(item, axis, f32::NEG_INFINITY, at);
@@ -141,8 +141,8 @@ impl<P: Primitives + Sync> Splitter<'_, P> {
         let mut on_right = right.len() + crossing.len();
         let cost = |bounds: Aabb, count: usize| bounds.half_area() * count as f32;
         for (item, [lower, upper]) in crossing {
-            let with_left = to_left.union(item.bounds);
-            let with_right = to_right.union(item.bounds);
+            let with_left = to_left.union(item.bounds());
+            let with_right = to_right.union(item.bounds());
             let both = cost(to_left, on_left) + cost(to_right, on_right);
             let only_left = cost(with_left, on_left) + cost(to_right, on_right - 1);
             let only_right = cost(to_left, on_left - 1) + cost(with_right, on_right);
@@ -155,14 +155,8 @@ impl<P: Primitives + Sync> Splitter<'_, P> {
                 to_right = with_right;
                 on_left -= 1;
             } else {
-                left.push(Item {
-                    bounds: lower,
-                    ..item
-                });
-                right.push(Item {
-                    bounds: upper,
-                    ..item
-                });
+                left.push(item.with_bounds(&lower));
+                right.push(item.with_bounds(&upper));
             }
         }
         let added = (left.len() + right.len()).checked_sub(part.items.len())?;
