@@ -41,7 +41,7 @@ where
     Level: Vectorize<N>,
 {
     /// Builds the structure; it cannot fail.
-    pub fn build<P: Primitives>(&self, primitives: P) -> WideBvh<P, N> {
+    pub fn build<P: Primitives + Sync>(&self, primitives: P) -> WideBvh<P, N> {
         unlimited(self.build_within(primitives, &Limits::NONE))
     }
 
@@ -49,7 +49,7 @@ where
     ///
     /// # Errors
     /// When the limits end the build.
-    pub fn build_within<P: Primitives>(
+    pub fn build_within<P: Primitives + Sync>(
         &self,
         primitives: P,
         limits: &Limits<'_>,
