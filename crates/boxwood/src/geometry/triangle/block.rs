@@ -166,3 +166,106 @@ impl<S: Lanes<LANES>> BlockRay<S> {
         }
     }
 }
+
+/// Sixteen tame rays with the same axes.
+pub struct RayGroup<'a> {
+    pub axes: [usize; 3],
+    /// In the order of `axes`.
+    pub origin: [&'a [f32; RayGroup::LANES]; 3],
+    pub shear: [&'a [f32; RayGroup::LANES]; 3],
+    pub t_min: &'a [f32; RayGroup::LANES],
+}
+
+impl RayGroup<'_> {
+    /// How many rays.
+    pub const LANES: usize = 16;
+}
+
+/// Where some rays of a group meet a triangle.
+pub struct Meetings {
+    /// Which ones, a bit each.
+    pub rays: u32,
+    t: [f32; RayGroup::LANES],
+    u: [f32; RayGroup::LANES],
+    v: [f32; RayGroup::LANES],
+    determinant: [f32; RayGroup::LANES],
+    primitive: u32,
+}
+
+impl Meetings {
+    /// The hit of one ray.
+    #[inline(always)]
+    pub fn hit(&self, ray: usize) -> Hit {
+        let ray = ray % RayGroup::LANES;
+        Hit {
+            t: self.t[ray],
+            u: self.u[ray],
+            v: self.v[ray],
+            primitive: self.primitive,
+            instance: 0,
+        }
+    }
+    /// Whether the proof of the slack covers it; see [`Stop::Uncovered`].
+    #[inline(always)]
+    pub fn is_covered(&self, ray: usize) -> bool {
+        self.determinant[ray % RayGroup::LANES].abs() >= TINY
+    }
+}
+
+impl TriangleBlock {
+    /// One of the triangles against a group of rays, each up to its `t_max`.
+    #[inline(always)]
+    pub fn meet<S: Lanes<{ RayGroup::LANES }>>(
+        &self,
+        s: S,
+        triangle: usize,
+        rays: &RayGroup<'_>,
+        t_max: &[f32; RayGroup::LANES],
+    ) -> Option<Meetings> {
+        let lane = triangle % LANES;
+        let [kx, ky, kz] = rays.axes;
+        let [a, b, c] = &self.corners;
+        let load = F::<S, { RayGroup::LANES }>::load;
+        let splat = F::<S, { RayGroup::LANES }>::splat;
+        let [ox, oy, oz] = [
+            load(s, rays.origin[0]),
+            load(s, rays.origin[1]),
+            load(s, rays.origin[2]),
+        ];
+        let [sx, sy] = [load(s, rays.shear[0]), load(s, rays.shear[1])];
+        let z0 = splat(s, a[kz][lane]) - oz;
+        let z1 = splat(s, b[kz][lane]) - oz;
+        let z2 = splat(s, c[kz][lane]) - oz;
+        let x0 = (splat(s, a[kx][lane]) - ox) - sx * z0;
+        let x1 = (splat(s, b[kx][lane]) - ox) - sx * z1;
+        let x2 = (splat(s, c[kx][lane]) - ox) - sx * z2;
+        let y0 = (splat(s, a[ky][lane]) - oy) - sy * z0;
+        let y1 = (splat(s, b[ky][lane]) - oy) - sy * z1;
+        let y2 = (splat(s, c[ky][lane]) - oy) - sy * z2;
+        let zero = splat(s, 0.0);
+        // Rounding is monotone: what the exact edge functions accept passes this. Most groups end here.
+        let (u, v, w) = (x2 * y1 - y2 * x1, x0 * y2 - y0 * x2, x1 * y0 - y1 * x0);
+        if (zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero)).bits() == 0 {
+            return None;
+        }
+        let u = difference_of_products(x2, y1, y2, x1);
+        let v = difference_of_products(x0, y2, y0, x2);
+        let w = difference_of_products(x1, y0, y1, x0);
+        let inside = zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero);
+        let determinant = (u + v) + w;
+        let r = splat(s, 1.0) / determinant;
+        let t = (((u * z0 + v * z1) + w * z2) * load(s, rays.shear[2])) * r;
+        let rays = (inside & load(s, rays.t_min).le(t) & t.le(load(s, t_max))).bits();
+        if rays == 0 {
+            return None;
+        }
+        Some(Meetings {
+            rays,
+            t: t.to_array(),
+            u: (v * r).to_array(),
+            v: (w * r).to_array(),
+            determinant: determinant.to_array(),
+            primitive: self.ids[lane],
+        })
+    }
+}

@@ -66,6 +66,12 @@ impl Leaves {
         }
     }
 
+    /// The triangles in some blocks; none where the primitives are something else.
+    #[inline(always)]
+    pub fn triangles(&self, blocks: Range<usize>) -> &[TriangleBlock] {
+        self.triangles.get(blocks).unwrap_or(&[])
+    }
+
     /// Begins to load a block.
     #[inline(always)]
     pub fn fetch(&self, block: usize) {

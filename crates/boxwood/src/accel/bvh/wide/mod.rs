@@ -14,6 +14,7 @@ mod build;
 mod collapse;
 mod leaf;
 mod node;
+mod packet;
 mod plan;
 mod scalar;
 mod traverse;
@@ -30,6 +31,7 @@ use crate::query::{Counters, Query, Traverse};
 use crate::simd::{Isa, Level, Portable, Vectorize};
 use alloc::vec;
 use alloc::vec::Vec;
+use core::mem;
 use core::ops::ControlFlow::Break;
 use leaf::Leaves;
 use node::{Child, Node};
@@ -105,6 +107,50 @@ impl<P: Primitives, const N: usize> WideBvh<P, N> {
             primitive::offer_all(&self.primitives, ray, query, counters);
         } else {
             scalar::walk(self, ray, query, counters);
+        }
+    }
+}
+
+impl<P: Primitives, const N: usize> WideBvh<P, N>
+where
+    Level: Vectorize<N>,
+{
+    /// Runs of rays that run together as packets, all others as one batch each.
+    fn many<Q: Query>(&self, mut rays: &[Ray], mut queries: &mut [Q]) {
+        let level = self.isa.level();
+        let mut packet = packet::Packet::for_depth::<N>(self.depth);
+        let mut apart = 0;
+        while P::TRIANGLES && rays.len() - apart >= FEW {
+            let end = rays.len().min(apart + packet::RAYS);
+            if !packet.gather(&rays[apart..end], self.bounds.scale()) {
+                apart = end;
+                continue;
+            }
+            let (before, rest) = mem::take(&mut queries).split_at_mut(apart);
+            self.apart(&rays[..apart], before);
+            let (together, rest) = rest.split_at_mut(end - apart);
+            level.vectorize(packet::Together {
+                bvh: self,
+                packet: &mut packet,
+                queries: together,
+            });
+            for i in packet.take_uncovered() {
+                if let Some(ray) = PreparedRay::new(&rays[apart + i], self.bounds.scale()) {
+                    self.plainly(&ray, &mut together[i], &mut ());
+                }
+            }
+            (rays, queries, apart) = (&rays[end..], rest, 0);
+        }
+        self.apart(rays, queries);
+    }
+
+    fn apart<Q: Query>(&self, rays: &[Ray], queries: &mut [Q]) {
+        if !rays.is_empty() {
+            self.isa.level().vectorize(batch::Batch {
+                bvh: self,
+                rays,
+                queries,
+            });
         }
     }
 }
@@ -195,11 +241,7 @@ where
                 self.traverse(ray, query, counters);
             }
         } else if self.root != Child::NOTHING {
-            self.isa.level().vectorize(batch::Batch {
-                bvh: self,
-                rays,
-                queries,
-            });
+            self.many(rays, queries);
         }
     }
 }

@@ -169,6 +169,34 @@ pub struct Heading {
 }
 
 impl Heading {
+    /// Of no ray.
+    pub const NONE: Self = Self {
+        rows: [0; 3],
+        octant: 0,
+    };
+
+    /// The near and the far planes of a node across an axis.
+    #[inline(always)]
+    pub fn planes<S: Lanes<N>, const N: usize>(
+        self,
+        s: S,
+        node: &Node<N>,
+        axis: usize,
+    ) -> [F<S, N>; 2] {
+        let near = self.rows[axis];
+        [
+            F::<S, N>::load(s, &node.planes[near]),
+            F::<S, N>::load(s, &node.planes[near ^ 1]),
+        ]
+    }
+
+    /// Those of one child.
+    #[inline(always)]
+    pub fn plane<const N: usize>(self, node: &Node<N>, axis: usize, lane: usize) -> [f32; 2] {
+        let near = self.rows[axis];
+        [node.planes[near][lane], node.planes[near ^ 1][lane]]
+    }
+
     #[inline(always)]
     pub fn of(ray: &PreparedRay) -> Self {
         let (inverse, ..) = ray.slab_terms();
