@@ -21,6 +21,18 @@ pub fn sqrt_f64(x: f64) -> f64 {
     libm::sqrt(x)
 }
 
+/// The lesser of two, as one instruction; the second where either is NaN.
+#[inline(always)]
+pub fn least(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The greater of two, as one instruction; the second where either is NaN.
+#[inline(always)]
+pub fn most(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
 /// The angle of `(x, y)` in turns, from 0 to 1; both mean the positive x axis. 0 for the zero vector.
 #[inline]
 pub fn turn(y: f64, x: f64) -> f32 {

@@ -9,11 +9,16 @@
 //! *Rays outside the doors* (see [`PreparedRay`]) may hit a triangle anywhere in its padded box: [`Space::asks_all`] says
 //! when a structure has to ask everything.
 
+use crate::accel::Limits;
+use crate::accel::limits::Site;
 use crate::geometry::{Aabb, PreparedRay, Vec3};
 use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Query, Step};
 use alloc::vec::Vec;
 use core::ops::ControlFlow::{self, Continue};
+use core::ops::Range;
+#[cfg(feature = "parallel")]
+use rayon::prelude::*;
 
 /// The space that some primitives take.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,34 +39,71 @@ pub(crate) struct Space {
 const LEAST_EXACT: f32 = 1.0 / 4096.0;
 /// Above this size (2²⁸) as well.
 const MOST_EXACT: f32 = (1_u64 << 28) as f32;
+/// So many primitives are looked at by one thread at a time.
+const TOGETHER: usize = 8192;
 
 impl Space {
     /// Looks at every primitive once.
-    pub fn of(primitives: &impl Primitives) -> Self {
-        let mut space = Self {
-            bounds: Aabb::EMPTY,
-            world: Aabb::EMPTY,
-            everywhere: Vec::new(),
-            exact: false,
-            pad: 0.0,
+    pub fn of(primitives: &(impl Primitives + Sync)) -> Self {
+        Self::within(primitives, &Site::new(&Limits::NONE, 1), 0)
+    }
+
+    /// The same, by as many threads as there are, for a site where this is so many units of work. Counts the memory it
+    /// takes. Where the build is over, what is returned is worth nothing.
+    pub fn within(primitives: &(impl Primitives + Sync), site: &Site<'_>, units: usize) -> Self {
+        let n = primitives.len();
+        let parts = n.div_ceil(TOGETHER);
+        let part = |number: usize| {
+            let mut part = Self::NOWHERE;
+            if site.advance(units / parts) {
+                let places = number * TOGETHER..n.min((number + 1) * TOGETHER);
+                part.look(primitives, places, site);
+            }
+            part
         };
-        for i in 0..primitives.len() {
-            let b = primitives.bounds(i);
-            space.bounds = space.bounds.union(b);
-            if b.is_empty() {
-                continue;
+        #[cfg(feature = "parallel")]
+        let looked: Vec<_> = (0..parts).into_par_iter().map(part).collect();
+        #[cfg(not(feature = "parallel"))]
+        let looked: Vec<_> = (0..parts).map(part).collect();
+        let mut space = Self::NOWHERE;
+        for part in looked {
+            space.bounds = space.bounds.union(part.bounds);
+            space.world = space.world.union(part.world);
+            if site.reserve(&mut space.everywhere, part.everywhere.len()) {
+                space.everywhere.extend_from_slice(&part.everywhere);
             }
-            if b.lower.is_finite() && b.upper.is_finite() {
-                space.world = space.world.union(b);
-            } else {
-                space.everywhere.push(i as u32);
-            }
+            site.release(part.everywhere);
         }
         let scale = space.bounds.scale();
         space.exact = LEAST_EXACT < scale && scale < MOST_EXACT;
         // 8 units in the last place of the largest coordinate: for the rounding of cells and of overlap tests.
         space.pad = space.world.scale() * (8.0 / (1 << 24) as f32);
         space
+    }
+
+    const NOWHERE: Self = Self {
+        bounds: Aabb::EMPTY,
+        world: Aabb::EMPTY,
+        everywhere: Vec::new(),
+        exact: false,
+        pad: 0.0,
+    };
+
+    fn look(&mut self, primitives: &impl Primitives, places: Range<usize>, site: &Site<'_>) {
+        for i in places {
+            let b = primitives.bounds(i);
+            self.bounds = self.bounds.union(b);
+            if b.is_empty() {
+                continue;
+            }
+            if b.lower.is_finite() && b.upper.is_finite() {
+                self.world = self.world.union(b);
+            } else if site.reserve(&mut self.everywhere, 1) {
+                self.everywhere.push(i as u32);
+            } else {
+                return;
+            }
+        }
     }
 
     /// Whether primitives are held against cells by more than their boxes.

@@ -4,7 +4,7 @@ mod aabb;
 mod cuboid;
 mod cylinder;
 mod disc;
-mod double;
+pub(crate) mod double;
 mod hit;
 pub mod implicit;
 mod interval;

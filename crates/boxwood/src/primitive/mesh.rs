@@ -206,6 +206,7 @@ impl Primitives for TriangleMesh {
     fn overlaps(&self, i: usize, within: &Aabb) -> bool {
         overlap::overlaps(self.triangle(i), within)
     }
+    #[inline]
     fn corners(&self, i: usize) -> Option<[Vec3; 3]> {
         Some(self.triangle(i))
     }

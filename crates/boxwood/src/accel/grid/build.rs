@@ -4,7 +4,7 @@ use super::bricks::Bricks;
 use super::counted::{Counted, bytes_of_cells};
 use super::lattice::{Lattice, MAX_SIDE};
 use super::nested::Nested;
-use super::register::{most_references, register};
+use super::register::{Register, most_references, register};
 use super::settings::{CutIn, Density};
 use super::walk::{LEAST_PADS, PAD};
 use super::{Grid, UniformGrid};
@@ -64,8 +64,10 @@ impl GridBuilder {
         primitives: &(impl Primitives + Sync),
         limits: &Limits<'_>,
     ) -> Result<Grid, BuildError> {
-        let site = Site::new(limits, 3 * primitives.len());
-        let space = Space::of(primitives).with_pad(PAD);
+        // Looking at each primitive, and about seven references of each, which are made and then passed three times.
+        let n = primitives.len();
+        let site = Site::new(limits, n.saturating_mul(23));
+        let space = Space::within(primitives, &site, n).with_pad(PAD);
         let thinnest = LEAST_PADS * f64::from(space.pad());
         let around = Lattice::around(&space);
         let mut lattice = match self.resolution {
@@ -89,9 +91,9 @@ impl GridBuilder {
                 false => site.try_take(bytes_of_cells(cells)),
             };
             if room {
-                let put = |i: usize, bounds: &_, put: &mut dyn FnMut(u32) -> _| {
+                let put = |i: usize, bounds: &_, register: &mut Register<'_>| {
                     lattice.overlapped(&space, primitives, i, bounds, &mut |cell| {
-                        put(bricks.cell(cell))
+                        register.put(bricks.cell(cell))
                     })
                 };
                 let found = register(

@@ -2,14 +2,16 @@
 //!
 //! *How it works.* Cells are numbered, and a bit tells of each whether anything lies in it. The filled ones are counted
 //! through: 64 bits and the number of filled cells before them give a cell its place, and the place the beginning of its
-//! list. Building counts the references of every cell, adds the counts up and then writes each reference where it
-//! belongs. Many threads may do both at once; lists are sorted afterwards, so that nothing depends on who came first.
+//! list. Building first sorts the references into ranges of cells. Then the references of every cell of a range are
+//! counted, the counts are added up and each reference is written where it belongs. Many threads may do so at once: each
+//! has tasks or ranges for itself, and what it makes does not depend on the others.
 //!
-//! *Cost.* 12 bytes per 64 cells, 4 per filled cell, 4 per reference; while building 8 bytes more per reference.
+//! *Cost.* 12 bytes per 64 cells, 4 per filled cell, 4 per reference; while building 12 bytes more per reference.
 //!
 //! *Source.* Lagae & Dutré 2008, *Compact, Fast and Robust Grids for Ray Tracing*: counting, prefix sums and one array.
 //! Theirs has 4 bytes for every cell; bits with counts are Jacobson 1989.
 
+use super::sorted::{Lists, Sorted, every, filled_with};
 use crate::accel::limits::Site;
 use alloc::vec::Vec;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -35,8 +37,9 @@ pub(crate) struct Counted {
     primitives: Vec<u32>,
 }
 
-/// Bytes for each reference while lists are built: itself, its place in a list, and a list of its own at the worst.
-pub(crate) const BYTES_EACH: usize = size_of::<Reference>() + 2 * size_of::<u32>();
+/// Bytes for each reference while lists are built: itself, and once more while it is sorted; afterwards its place in a
+/// list, and a list of its own at the worst.
+pub(crate) const BYTES_EACH: usize = 2 * size_of::<Reference>();
 
 /// Bytes for so many cells with nothing in them.
 pub(crate) fn bytes_of_cells(cells: usize) -> usize {
@@ -61,7 +64,7 @@ impl Counted {
     /// The primitives of a cell that is filled.
     #[inline(always)]
     pub fn list(&self, cell: usize) -> &[u32] {
-        let place = self.place(cell);
+        let place = place(&self.masks, &self.before, cell);
         &self.primitives[self.starts[place] as usize..self.starts[place + 1] as usize]
     }
     /// How many primitives lie in any cell.
@@ -89,73 +92,63 @@ impl Counted {
             + size_of_val(&*self.primitives)
     }
 
-    #[inline(always)]
-    fn place(&self, cell: usize) -> usize {
-        let below = self.masks[cell / 64] & ((1 << (cell % 64)) - 1);
-        (self.before[cell / 64] + below.count_ones()) as usize
-    }
-
-    /// Makes the lists of `cells` cells. Fewer than 2³² references, each in some order and none twice. Where the build is
-    /// over, what is returned is worth nothing.
-    pub fn of(cells: usize, mut parts: Vec<Vec<Reference>>, site: &Site<'_>) -> Self {
+    /// Makes the lists of `cells` cells. Fewer than 2³² references, in the order of their primitives and none twice. Where
+    /// the build is over, what is returned is worth nothing.
+    pub fn of(cells: usize, parts: Vec<Vec<Reference>>, site: &Site<'_>) -> Self {
+        let mut sorted = Sorted::of(cells, parts, site);
+        let words = cells.div_ceil(64);
         let mut counted = Self {
-            masks: filled(cells, &parts),
+            masks: alloc::vec![0; words],
+            before: alloc::vec![0; words],
             ..Self::default()
         };
-        let mut total = 0;
-        counted.before.reserve_exact(counted.masks.len());
-        for mask in &counted.masks {
-            counted.before.push(total);
-            total += mask.count_ones();
-        }
-        // From here on references name the places of their cells.
-        let mut counts = Vec::new();
-        counts.resize_with(total as usize + 1, || AtomicU32::new(0));
-        let count = |part: &mut Vec<Reference>| {
-            if !site.advance(part.len()) {
-                return;
-            }
-            for reference in part {
-                reference.cell = counted.place(reference.cell as usize) as u32;
-                counts[reference.cell as usize].fetch_add(1, Relaxed);
-            }
-        };
-        #[cfg(feature = "parallel")]
-        parts.par_iter_mut().for_each(count);
-        #[cfg(not(feature = "parallel"))]
-        parts.iter_mut().for_each(count);
+        let marked = every(
+            sorted.ranges(&mut counted.masks, &mut counted.before),
+            |mut range| site.advance(range.references.len()).then(|| range.mark()),
+        );
         if site.is_over() {
             return Self::default();
         }
-        // Each count becomes where the list ends; writing from the end, it becomes where the list begins.
-        let mut end = 0;
-        for count in &mut counts {
-            end += *count.get_mut();
-            *count.get_mut() = end;
+        let filled: usize = marked.iter().flatten().sum();
+        counted.starts = filled_with(filled + 1, || 0);
+        counted.primitives = filled_with(sorted.references.len(), || 0);
+        let mut lists = Vec::with_capacity(marked.len());
+        let (mut starts, mut primitives) = (&mut *counted.starts, &mut *counted.primitives);
+        let (mut places, mut references) = (0, 0);
+        let ranges = sorted.ranges(&mut counted.masks, &mut counted.before);
+        for (range, filled) in ranges.into_iter().zip(marked) {
+            let (filled, count) = (filled.unwrap_or(0), range.references.len());
+            let lists_of_range = Lists {
+                starts: starts.split_off_mut(..filled).unwrap_or_default(),
+                primitives: primitives.split_off_mut(..count).unwrap_or_default(),
+                place: places,
+                first: references,
+                range,
+            };
+            lists.push(lists_of_range);
+            places += filled as u32;
+            references += count as u32;
         }
-        let mut places = Vec::new();
-        places.resize_with(end as usize, || AtomicU32::new(0));
-        let write = |part: &Vec<Reference>| {
-            if !site.advance(part.len()) {
-                return;
+        starts[0] = references;
+        every(lists, |lists| {
+            if site.advance(lists.range.references.len()) {
+                lists.write();
             }
-            for reference in part {
-                let place = counts[reference.cell as usize].fetch_sub(1, Relaxed) - 1;
-                places[place as usize].store(reference.primitive, Relaxed);
-            }
-        };
-        #[cfg(feature = "parallel")]
-        parts.par_iter().for_each(write);
-        #[cfg(not(feature = "parallel"))]
-        parts.iter().for_each(write);
-        drop(parts);
-        counted.starts = counts.into_iter().map(AtomicU32::into_inner).collect();
-        counted.primitives = places.into_iter().map(AtomicU32::into_inner).collect();
-        if !site.is_over() {
-            sort_lists(&counted.starts, 0, &mut counted.primitives);
-        }
+        });
         counted
     }
+}
+
+/// The place of a filled cell: how many there are before it.
+#[inline(always)]
+pub(super) fn place(masks: &[u64], before: &[u32], cell: usize) -> usize {
+    let below = masks[cell / 64] & ((1 << (cell % 64)) - 1);
+    (before[cell / 64] + below.count_ones()) as usize
+}
+
+/// Bytes that [`filled`] takes: the bits, twice while they are gathered.
+pub(crate) fn bytes_of_filled(cells: usize) -> usize {
+    cells.div_ceil(64) * 2 * size_of::<u64>()
 }
 
 /// A bit for every cell that is named.
@@ -181,23 +174,6 @@ pub(crate) fn filled(cells: usize, parts: &[Vec<Reference>]) -> Vec<u64> {
         .iter()
         .map(|[low, high]| half(low) | half(high) << 32)
         .collect()
-}
-
-/// Sorts each of the lists that begin at `starts`, counted from `base`; what is sorted is where they lie.
-fn sort_lists(starts: &[u32], base: u32, lists: &mut [u32]) {
-    #[cfg(feature = "parallel")]
-    if starts.len() > 4096 {
-        let middle = starts.len() / 2;
-        let (left, right) = lists.split_at_mut((starts[middle] - base) as usize);
-        rayon::join(
-            || sort_lists(&starts[..=middle], base, left),
-            || sort_lists(&starts[middle..], starts[middle], right),
-        );
-        return;
-    }
-    for list in starts.windows(2) {
-        lists[(list[0] - base) as usize..(list[1] - base) as usize].sort_unstable();
-    }
 }
 
 /// How many bits are set from one number up to before another.

@@ -1,11 +1,9 @@
-//! A box cut into equal cells: where its planes are, and in which cells a primitive lies.
+//! A box cut into equal cells: where its planes are.
 
 use crate::accel::Axes;
 use crate::accel::cells::Space;
 use crate::geometry::{Aabb, Vec3};
 use crate::math;
-use crate::primitive::Primitives;
-use core::ops::ControlFlow::{self, Continue};
 
 /// A box cut into equal cells. The planes are `lower + number · size`, computed in double precision and hence, for the
 /// sizes of floats, as good as exact.
@@ -97,8 +95,9 @@ impl Lattice {
         [number % nx, number / nx % ny, number / nx / ny].map(|c| c as u32)
     }
 
+    /// Where cells with a number begin on an axis.
     #[inline]
-    fn plane(&self, axis: usize, number: u32) -> f64 {
+    pub fn plane(&self, axis: usize, number: u32) -> f64 {
         self.lower[axis] + f64::from(number) * self.size[axis]
     }
 
@@ -133,99 +132,6 @@ impl Lattice {
     pub fn range(&self, b: &Aabb, pad: f32) -> Range {
         core::array::from_fn(|k| self.between(k, b.lower[k], b.upper[k], pad))
     }
-
-    /// Shows every cell that primitive `i`, whose box is `around`, lies in.
-    ///
-    /// *How.* Where its box spans cells on one axis only, it lies in all of them. In a few cells it is held against each.
-    /// Otherwise it is cut row by row: the part of it in a row is in one piece, and so are the cells of it.
-    #[inline]
-    pub fn overlapped<P: Primitives>(
-        &self,
-        space: &Space,
-        primitives: &P,
-        i: usize,
-        around: &Aabb,
-        show: &mut impl FnMut([u32; 3]) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        let range = self.range(around, space.pad());
-        let span = range.map(|[first, last]| last - first + 1);
-        let divided = span.iter().filter(|&&n| n > 1).count();
-        if divided <= 1 || !space.is_exact::<P>() {
-            each(&range, show)
-        } else if count(span) <= FEW {
-            each(&range, &mut |cell| {
-                if space.holds(primitives, i, &self.cell(cell)) {
-                    show(cell)?;
-                }
-                Continue(())
-            })
-        } else {
-            self.rows(space, primitives, i, around, range, show)
-        }
-    }
-
-    fn rows<P: Primitives>(
-        &self,
-        space: &Space,
-        primitives: &P,
-        i: usize,
-        around: &Aabb,
-        range: Range,
-        show: &mut impl FnMut([u32; 3]) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        let span = range.map(|[first, last]| last - first);
-        // Rows along the axis with the most cells, in slabs across the one with the fewest.
-        let row = (0..3).max_by_key(|&k| span[k]).unwrap_or(0);
-        let (a, b) = ((row + 1) % 3, (row + 2) % 3);
-        let (slab, other) = if span[a] < span[b] { (a, b) } else { (b, a) };
-        let cut = |axis: usize, number: u32, from: &Aabb| {
-            let mut within = *from;
-            within.lower[axis] = self.plane(axis, number) as f32;
-            within.upper[axis] = self.plane(axis, number + 1) as f32;
-            within
-        };
-        for s in range[slab][0]..=range[slab][1] {
-            let in_slab = cut(slab, s, around);
-            let part = if span[slab] == 0 {
-                *around
-            } else {
-                space.part(primitives, i, &in_slab)
-            };
-            if part.is_empty() {
-                continue;
-            }
-            let [first, last] =
-                self.between(other, part.lower[other], part.upper[other], space.pad());
-            for o in first..=last {
-                let part = space.part(primitives, i, &cut(other, o, &in_slab));
-                if part.is_empty() {
-                    continue;
-                }
-                let mut cells = [[0; 2]; 3];
-                cells[slab] = [s, s];
-                cells[other] = [o, o];
-                cells[row] = self.between(row, part.lower[row], part.upper[row], space.pad());
-                each(&cells, show)?;
-            }
-        }
-        Continue(())
-    }
-}
-
-/// Up to so many cells, each is asked for itself.
-const FEW: u64 = 4;
-
-#[inline]
-fn each(range: &Range, show: &mut impl FnMut([u32; 3]) -> ControlFlow<()>) -> ControlFlow<()> {
-    let [xs, ys, zs] = range.map(|[first, last]| first..=last);
-    for z in zs {
-        for y in ys.clone() {
-            for x in xs.clone() {
-                show([x, y, z])?;
-            }
-        }
-    }
-    Continue(())
 }
 
 /// Rounded to a float where that is finite, because the walk of a tame ray reads it as one. What is lost is less than the
@@ -275,8 +181,6 @@ pub(crate) fn cubic(size: [f64; 3], cells: f64, axes: Axes) -> [u32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::TriangleMesh;
-    use alloc::vec::Vec;
 
     #[test]
     fn cells_are_nearly_cubes() {
@@ -290,50 +194,5 @@ mod tests {
         assert_eq!(cells([1.0, 1.0, 0.01], 100.0), [10, 10, 1]);
         assert_eq!(cells([1.0; 3], 0.0), [1; 3]);
         assert_eq!(cubic([1.0; 3], 100.0, Axes::XY), [10, 10, 1]);
-    }
-
-    /// Both ways of finding a triangle's cells against the plain one.
-    #[test]
-    fn cells_are_those_that_hold_the_triangle() {
-        let mut state = 7_u64;
-        let mut coordinate = move || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 33) as f32 / (1_u64 << 31) as f32
-        };
-        let positions: Vec<[f32; 3]> = (0..600)
-            .map(|i| {
-                let size = if i % 6 < 3 { 1.0 } else { 0.2 };
-                [(); 3].map(|()| coordinate() * size)
-            })
-            .collect();
-        let triangles = (0..200_u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
-        let mesh = TriangleMesh::new(positions, triangles).expect("a good mesh");
-        let space = Space::of(&mesh).with_pad(320.0);
-        let lattice = Lattice::around(&space).divided([9, 7, 11], 1.0e-6);
-        let mut most = 0;
-        for i in 0..200 {
-            let around = mesh.bounds(i);
-            let mut found = Vec::new();
-            let mut show = |cell| {
-                found.push(cell);
-                Continue(())
-            };
-            let ended = lattice.overlapped(&space, &mesh, i, &around, &mut show);
-            assert!(ended.is_continue());
-            let mut expected = Vec::new();
-            for number in 0..9 * 7 * 11 {
-                let cell = lattice.place(number);
-                if space.holds(&mesh, i, &lattice.cell(cell)) {
-                    expected.push(cell);
-                }
-            }
-            found.sort_unstable();
-            expected.sort_unstable();
-            assert_eq!(found, expected, "triangle {i}");
-            most = most.max(found.len());
-        }
-        assert!(most > 50, "{most}");
     }
 }

@@ -21,10 +21,13 @@ mod bisect;
 mod bricks;
 mod build;
 pub(super) mod counted;
+mod cover;
 pub(super) mod lattice;
 pub(super) mod nested;
 pub(super) mod register;
+mod rows;
 mod settings;
+mod sorted;
 pub(super) mod walk;
 
 pub use build::GridBuilder;

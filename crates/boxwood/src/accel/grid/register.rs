@@ -23,6 +23,45 @@ pub(crate) fn most_references(primitives: usize) -> usize {
         .min(1 << 28)
 }
 
+/// Where the cells of a primitive are written down.
+pub(crate) struct Register<'a> {
+    site: &'a Site<'a>,
+    /// No part may hold more.
+    most: usize,
+    part: Vec<Reference>,
+    /// How many of them the site knows of: it is told before they are many.
+    told: usize,
+    primitive: u32,
+}
+
+impl Register<'_> {
+    /// The primitive lies in this cell, which it has not been put into before. Breaks where that is too much.
+    #[inline(always)]
+    pub fn put(&mut self, cell: u32) -> ControlFlow<()> {
+        if self.part.len() == self.told && !self.tell() {
+            return Break(());
+        }
+        self.part.push(Reference {
+            cell,
+            primitive: self.primitive,
+        });
+        Continue(())
+    }
+
+    #[cold]
+    fn tell(&mut self) -> bool {
+        if self.part.len() > self.most
+            || !self.site.advance(0)
+            || !self.site.try_take(AT_ONCE * BYTES_EACH)
+        {
+            return false;
+        }
+        self.part.reserve_exact(AT_ONCE);
+        self.told += AT_ONCE;
+        true
+    }
+}
+
 /// Asks `cells_of` for the cells of every primitive whose box is finite and not empty. `None` when that are more
 /// references than `most` or than there is memory for, in which case nothing is taken from the site.
 ///
@@ -31,45 +70,37 @@ pub(crate) fn register<P: Primitives + Sync>(
     primitives: &P,
     site: &Site<'_>,
     most: usize,
-    cells_of: &(impl Fn(usize, &Aabb, &mut dyn FnMut(u32) -> ControlFlow<()>) -> ControlFlow<()> + Sync),
+    cells_of: &(impl Fn(usize, &Aabb, &mut Register<'_>) -> ControlFlow<()> + Sync),
 ) -> Option<Vec<Vec<Reference>>> {
     let n = primitives.len();
     let (taken, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
     let part = |number: usize| {
-        let mut part: Vec<Reference> = Vec::new();
-        // How many of them the site knows of: it is told before they are many.
-        let mut told = 0;
         let places = number * TOGETHER..n.min((number + 1) * TOGETHER);
-        let count = places.len();
-        if failed.load(Relaxed) || !site.advance(count) {
-            return part;
+        if failed.load(Relaxed) || !site.advance(places.len()) {
+            return Vec::new();
         }
+        let mut register = Register {
+            site,
+            most,
+            part: Vec::new(),
+            told: 0,
+            primitive: 0,
+        };
         for i in places {
             let around = primitives.bounds(i);
             if around.is_empty() || !(around.lower.is_finite() && around.upper.is_finite()) {
                 continue;
             }
-            let mut put = |cell| {
-                part.push(Reference {
-                    cell,
-                    primitive: i as u32,
-                });
-                if part.len() <= told {
-                    return Continue(());
-                }
-                if part.len() > most || !site.advance(0) || !site.try_take(AT_ONCE * BYTES_EACH) {
-                    return Break(());
-                }
-                told += AT_ONCE;
-                Continue(())
-            };
-            if cells_of(i, &around, &mut put).is_break() {
+            register.primitive = i as u32;
+            if cells_of(i, &around, &mut register).is_break() {
                 failed.store(true, Relaxed);
-                site.give(told * BYTES_EACH);
+                site.give(register.told * BYTES_EACH);
                 return Vec::new();
             }
         }
-        site.give((told - part.len().min(told)) * BYTES_EACH);
+        let Register { mut part, told, .. } = register;
+        part.shrink_to_fit();
+        site.give((told - part.len()) * BYTES_EACH);
         let before = taken.fetch_add(part.len(), Relaxed);
         if before + part.len() <= most {
             return part;

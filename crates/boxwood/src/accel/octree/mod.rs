@@ -18,7 +18,9 @@
 //! by masks); Revelles, Ureña & Lastra 2000, *An Efficient Parametric Algorithm for Octree Traversal*.
 
 mod build;
+mod divide;
 mod node;
+mod octants;
 mod traverse;
 
 pub use {build::OctreeBuilder, node::OctreeData, traverse::Octree};

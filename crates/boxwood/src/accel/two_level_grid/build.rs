@@ -3,10 +3,12 @@
 use super::blocks::{CutBlocks, MOST_PARTS, bytes_of_blocks};
 use super::{GridOfGrids, TwoLevelGrid};
 use crate::accel::cells::Space;
-use crate::accel::grid::counted::{BYTES_EACH, Counted, Reference, bytes_of_cells, filled, ones};
+use crate::accel::grid::counted::{
+    BYTES_EACH, Counted, Reference, bytes_of_cells, bytes_of_filled, filled, ones,
+};
 use crate::accel::grid::lattice::{Lattice, cubic};
 use crate::accel::grid::nested::{Blocks, Nested};
-use crate::accel::grid::register::{most_references, register};
+use crate::accel::grid::register::{Register, most_references, register};
 use crate::accel::grid::walk::{LEAST_PADS, PAD};
 use crate::accel::limits::{Site, unlimited};
 use crate::accel::settings::{Setting, Settings};
@@ -17,7 +19,6 @@ use crate::primitive::Primitives;
 use crate::query::Intersect;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
-use core::ops::ControlFlow::{self, Continue};
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
 
@@ -75,12 +76,16 @@ impl TwoLevelGridBuilder {
         primitives: &(impl Primitives + Sync),
         limits: &Limits<'_>,
     ) -> Result<GridOfGrids, BuildError> {
-        let space = Space::of(primitives).with_pad(PAD);
+        // Looking at each primitive, putting it into blocks and into cells, and about six references of each, which are
+        // passed three times.
+        let n = primitives.len();
+        let site = Site::new(limits, n.saturating_mul(21));
+        let space = Space::within(primitives, &site, n).with_pad(PAD);
         let work = Work {
             thinnest: LEAST_PADS * f64::from(space.pad()),
             space,
             primitives,
-            site: Site::new(limits, 6 * primitives.len()),
+            site,
         };
         let around = Lattice::around(&work.space);
         // NaN is none.
@@ -127,14 +132,13 @@ impl<P: Primitives + Sync> Work<'_, P> {
         } else {
             most_references(self.primitives.len())
         };
-        // How much lies in each block, and the blocks.
-        let blocks_bytes = number * size_of::<u32>() + bytes_of_blocks(number);
+        let blocks_bytes = bytes_of_blocks(number);
         if !self.take(blocks_bytes, last) {
             return None;
         }
-        let in_blocks = |i: usize, around: &Aabb, put: &mut dyn FnMut(u32) -> ControlFlow<()>| {
+        let in_blocks = |i: usize, around: &Aabb, register: &mut Register<'_>| {
             lattice.overlapped(&self.space, self.primitives, i, around, &mut |block| {
-                put(lattice.number(block) as u32)
+                register.put(lattice.number(block) as u32)
             })
         };
         let Some(parts) = register(self.primitives, &self.site, most, &in_blocks) else {
@@ -142,27 +146,28 @@ impl<P: Primitives + Sync> Work<'_, P> {
             return None;
         };
         let references: usize = parts.iter().map(Vec::len).sum();
-        let (blocks, cells) = self.divide(axes, lattice, density, parts, last);
+        let divided = self.divide(axes, lattice, density, parts, last);
         self.site.give(references * BYTES_EACH);
+        let Some((blocks, cells)) = divided else {
+            self.site.give(blocks_bytes);
+            return None;
+        };
         let cells_bytes = bytes_of_cells(cells);
         if !self.take(cells_bytes, last) {
             self.site.give(blocks_bytes);
             return None;
         }
-        let in_cells = |i: usize, around: &Aabb, put: &mut dyn FnMut(u32) -> ControlFlow<()>| {
+        let in_cells = |i: usize, around: &Aabb, register: &mut Register<'_>| {
             lattice.overlapped(&self.space, self.primitives, i, around, &mut |place| {
                 let block = blocks.block(lattice.number(place));
                 let inner = lattice.inside(place, block.parts);
-                // Only what lies in the block: a part in one row of cells lies in all of them.
+                // Only what lies in the block, where triangles are cut; boxes take part with all they have.
                 let part = match self.space.is_exact::<P>() {
-                    true => self.space.part(self.primitives, i, &lattice.cell(place)),
+                    true => around.intersection(self.space.padded(&lattice.cell(place))),
                     false => *around,
                 };
-                if part.is_empty() {
-                    return Continue(());
-                }
                 inner.overlapped(&self.space, self.primitives, i, &part, &mut |cell| {
-                    put(block.cell(cell) as u32)
+                    register.put(block.cell(cell) as u32)
                 })
             })
         };
@@ -179,6 +184,7 @@ impl<P: Primitives + Sync> Work<'_, P> {
     }
 
     /// How each block is cut: by the number of its references and, where they crowd in few of the cells, more finely.
+    /// `None` where there is no memory to find out, in which case nothing is taken from the site.
     fn divide(
         &self,
         axes: Axes,
@@ -186,8 +192,14 @@ impl<P: Primitives + Sync> Work<'_, P> {
         density: f64,
         mut references: Vec<Vec<Reference>>,
         last: bool,
-    ) -> (CutBlocks, usize) {
-        let mut counts = alloc::vec![0_u32; lattice.cells() as usize];
+    ) -> Option<(CutBlocks, usize)> {
+        let number = lattice.cells() as usize;
+        // How much lies in each block, and how it is cut at first.
+        let counts_bytes = number * size_of::<u32>() + bytes_of_blocks(number);
+        if !self.take(counts_bytes, last) {
+            return None;
+        }
+        let mut counts = alloc::vec![0_u32; number];
         for reference in references.iter().flatten() {
             counts[reference.cell as usize] += 1;
         }
@@ -196,8 +208,16 @@ impl<P: Primitives + Sync> Work<'_, P> {
             .iter()
             .map(|&count| self.parts(axes, lattice, wanted(count), count));
         let (blocks, cells) = CutBlocks::of(even);
+        let masks_bytes = bytes_of_filled(cells);
+        if !self.take(masks_bytes, last) {
+            self.site.give(counts_bytes);
+            return None;
+        }
         // Each reference goes to the cell where the middle of its primitive is.
         let move_inside = |part: &mut Vec<Reference>| {
+            if !self.site.advance(0) {
+                return;
+            }
             for reference in part {
                 let (number, i) = (reference.cell as usize, reference.primitive as usize);
                 let block = blocks.block(number);
@@ -211,6 +231,11 @@ impl<P: Primitives + Sync> Work<'_, P> {
         references.par_iter_mut().for_each(move_inside);
         #[cfg(not(feature = "parallel"))]
         references.iter_mut().for_each(move_inside);
+        if self.site.is_over() {
+            // Some still name blocks.
+            self.site.give(counts_bytes + masks_bytes);
+            return None;
+        }
         let masks = filled(cells, &references);
         drop(references);
         let parts = counts.iter().enumerate().map(|(number, &count)| {
@@ -231,7 +256,9 @@ impl<P: Primitives + Sync> Work<'_, P> {
                 count,
             )
         });
-        CutBlocks::of(parts)
+        let cut = CutBlocks::of(parts);
+        self.site.give(counts_bytes + masks_bytes);
+        Some(cut)
     }
 
     /// How a block with so many references is cut into about so many cells.

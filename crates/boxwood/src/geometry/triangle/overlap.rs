@@ -8,10 +8,9 @@
 //! *Source.* Akenine-Möller 2001, *Fast 3D Triangle-Box Overlap Testing*; Sutherland & Hodgman 1974, *Reentrant Polygon
 //! Clipping*.
 
+use crate::geometry::double::{Double3 as Point, cross, dot, sub};
 use crate::geometry::ray::round_down;
 use crate::geometry::{Aabb, Vec3};
-
-type Point = [f64; 3];
 
 /// Whether they share a point; touching counts. An empty box overlaps nothing.
 pub fn overlaps(triangle: [Vec3; 3], b: &Aabb) -> bool {
@@ -35,7 +34,9 @@ pub fn overlaps(triangle: [Vec3; 3], b: &Aabb) -> bool {
     // The shadow of the box around its middle reaches as far as that of its half diagonal.
     let reach = |n: Point| (0..3).map(|k| half[k] * n[k].abs()).sum::<f64>();
     let normal = cross(edges[0], edges[1]);
-    if dot(normal, corners[0]).abs() > reach(normal) {
+    // The same for all three but for rounding, which may turn a sliver's normal any way.
+    let shadow = corners.map(|p| dot(normal, p));
+    if apart(shadow, reach(normal)) {
         return false;
     }
     for edge in edges {
@@ -44,15 +45,18 @@ pub fn overlaps(triangle: [Vec3; 3], b: &Aabb) -> bool {
             let mut line = [0.0; 3];
             (line[j], line[k]) = (-edge[k], edge[j]);
             let shadow = corners.map(|p| dot(line, p));
-            let least = shadow[0].min(shadow[1]).min(shadow[2]);
-            let most = shadow[0].max(shadow[1]).max(shadow[2]);
-            let reach = reach(line);
-            if least > reach || most < -reach {
+            if apart(shadow, reach(line)) {
                 return false;
             }
         }
     }
     true
+}
+
+/// Whether the shadows of a triangle's corners lie on one side of that of a box, which reaches so far to both.
+fn apart(shadow: [f64; 3], reach: f64) -> bool {
+    let [a, b, c] = shadow;
+    a.min(b).min(c) > reach || a.max(b).max(c) < -reach
 }
 
 /// Around the part of a triangle that lies in a box, rounded outwards; empty when there is none.
@@ -134,20 +138,6 @@ impl Polygon {
             self.count += 1;
         }
     }
-}
-
-fn sub(a: Point, b: Point) -> Point {
-    core::array::from_fn(|k| a[k] - b[k])
-}
-fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-fn cross(a: Point, b: Point) -> Point {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
 }
 
 #[cfg(test)]
