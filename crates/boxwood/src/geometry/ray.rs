@@ -70,6 +70,9 @@ const U: f32 = 1.0 / (1 << 24) as f32;
 const TINY_SCENE: f32 = 1.0 / (1_u64 << 20) as f32;
 const HUGE: f32 = (1_u64 << 28) as f32;
 
+/// The axis after each, in a circle.
+const AFTER: [usize; 3] = [1, 2, 0];
+
 /// A ray with all that box and triangle tests need. Read the ray's own fields through it; `t_min` and `t_max` are
 /// already in order there.
 ///
@@ -103,54 +106,112 @@ impl PreparedRay {
     /// Makes a ray ready for a scene whose largest |coordinate| is `scale`; `None` when it can hit nothing.
     #[inline]
     pub fn new(ray: &Ray, scale: f32) -> Option<Self> {
+        match Self::tame(ray, scale) {
+            None => Self::wild(ray, scale),
+            tame => tame,
+        }
+    }
+
+    /// The same for a ray inside the doors; `None` for any other. Without a branch but that one.
+    #[inline(always)]
+    pub(crate) fn tame(ray: &Ray, scale: f32) -> Option<Self> {
         let (o, d) = (ray.origin, ray.direction);
-        // Not `max` and `min`, which would lose a NaN.
+        // A comparison that fails for NaN, not `max`, which would lose it.
         let t_min = if ray.t_min < 0.0 { 0.0 } else { ray.t_min };
         let t_max = ray.end();
-        let size = d.abs();
-        let kz = size.max_axis();
-        let largest = size[kz];
-        if !(t_min <= t_max && o.is_finite() && d.is_finite() && largest > 0.0) {
+        let (size, distance) = (d.abs(), o.abs());
+        let larger = |a: f32, b: f32| if a > b { a } else { b };
+        let largest = larger(larger(size.x, size.y), size.z);
+        // Sums, because they keep NaN and infinity.
+        let inside = (t_min <= t_max)
+            & (distance.x + distance.y + distance.z < HUGE)
+            & (size.x + size.y + size.z < HUGE)
+            & (HUGE.recip() < largest)
+            & (TINY_SCENE < scale)
+            & (scale < HUGE);
+        if !inside {
             return None;
         }
-        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
-        let reach = o.abs().max_element();
-        let tame = reach < HUGE
-            && (TINY_SCENE < scale && scale < HUGE)
-            && (HUGE.recip() < largest && largest < HUGE);
-        let slack = 32.0 * f64::from(U) * (f64::from(scale) + f64::from(reach));
-        let (scaled, d) = if tame {
-            (None, d)
+        let reach = larger(larger(distance.x, distance.y), distance.z);
+        // The lowest axis wins a tie.
+        let (x, y) = (size.x == largest, size.y == largest);
+        let kz = if x { 0 } else { 2 - usize::from(y) };
+        let (dx, dy, dz) = if x {
+            (d.y, d.z, d.x)
+        } else if y {
+            (d.z, d.x, d.y)
         } else {
-            let power = math::power_to_one(largest);
-            (Some(power), d * power)
+            (d.x, d.y, d.z)
         };
-        let floor = U * d[kz].abs();
-        let raise = |x: f32| {
-            if x.abs() < floor {
-                // Not the sign's bit: `crossing` counts a zero of either sign as going up.
-                if x < 0.0 { -floor } else { floor }
-            } else {
-                x
-            }
-        };
-        let inverse = Vec3::new(1.0 / raise(d.x), 1.0 / raise(d.y), 1.0 / raise(d.z));
-        let pad = inverse.abs() * (slack as f32);
-        let at = o * inverse;
-        Some(Self {
+        let shear = [dx / dz, dy / dz, 1.0 / dz];
+        let slack = 32.0 * U * (scale + reach);
+        let ready = Self {
             ray: Ray {
                 t_min,
                 t_max,
                 ..*ray
             },
-            inverse,
-            near: at + pad,
-            far: at - pad,
+            inverse: Vec3::ZERO,
+            near: Vec3::ZERO,
+            far: Vec3::ZERO,
+            axes: [AFTER[kz], AFTER[AFTER[kz]], kz],
+            shear,
+            slack: f64::from(slack),
+            scaled: None,
+        };
+        Some(ready.facing(d, U * largest, slack))
+    }
+
+    /// For any other ray.
+    #[cold]
+    fn wild(ray: &Ray, scale: f32) -> Option<Self> {
+        let (o, d) = (ray.origin, ray.direction);
+        let t_min = if ray.t_min < 0.0 { 0.0 } else { ray.t_min };
+        let t_max = ray.end();
+        let kz = d.abs().max_axis();
+        let largest = d.abs()[kz];
+        if !(t_min <= t_max && o.is_finite() && d.is_finite() && largest > 0.0) {
+            return None;
+        }
+        let (kx, ky) = (AFTER[kz], AFTER[AFTER[kz]]);
+        let reach = o.abs().max_element();
+        let slack = 32.0 * f64::from(U) * (f64::from(scale) + f64::from(reach));
+        let power = math::power_to_one(largest);
+        let d = d * power;
+        let ready = Self {
+            ray: Ray {
+                t_min,
+                t_max,
+                ..*ray
+            },
+            inverse: Vec3::ZERO,
+            near: Vec3::ZERO,
+            far: Vec3::ZERO,
             axes: [kx, ky, kz],
             shear: [d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]],
             slack,
-            scaled,
-        })
+            scaled: Some(power),
+        };
+        Some(ready.facing(d, U * d[kz].abs(), slack as f32))
+    }
+
+    /// With what slab tests need of a direction whose coordinates are raised to `floor` at least.
+    #[inline(always)]
+    fn facing(self, d: Vec3, floor: f32, slack: f32) -> Self {
+        let raise = |x: f32| {
+            // Not the sign's bit: `crossing` counts a zero of either sign as going up.
+            let least = if x < 0.0 { -floor } else { floor };
+            if x.abs() < floor { least } else { x }
+        };
+        let inverse = Vec3::new(1.0 / raise(d.x), 1.0 / raise(d.y), 1.0 / raise(d.z));
+        let pad = inverse.abs() * slack;
+        let at = self.ray.origin * inverse;
+        Self {
+            inverse,
+            near: at + pad,
+            far: at - pad,
+            ..self
+        }
     }
 
     /// Whether the proof of the slack holds for this ray and scene without further checks.

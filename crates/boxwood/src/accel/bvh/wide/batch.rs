@@ -154,10 +154,7 @@ impl Slot {
         queries: &mut [Q],
     ) -> Option<Self> {
         for (index, ray) in waiting {
-            let Some(ray) = PreparedRay::new(ray, bvh.bounds.scale()) else {
-                continue;
-            };
-            if ray.is_tame() {
+            if let Some(ray) = PreparedRay::tame(ray, bvh.scale) {
                 return Some(Self {
                     heading: Heading::of(&ray),
                     ray,
@@ -166,7 +163,9 @@ impl Slot {
                     index,
                 });
             }
-            bvh.plainly(&ray, &mut queries[index], &mut ());
+            if let Some(ray) = PreparedRay::new(ray, bvh.scale) {
+                bvh.plainly(&ray, &mut queries[index], &mut ());
+            }
         }
         None
     }

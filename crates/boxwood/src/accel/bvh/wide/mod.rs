@@ -44,6 +44,8 @@ use node::{Child, Node};
 pub struct WideBvh<P, const N: usize> {
     primitives: P,
     bounds: Aabb,
+    /// The largest |coordinate| of the bounds.
+    scale: f32,
     root: Child,
     nodes: Vec<Node<N>>,
     leaves: Leaves,
@@ -74,9 +76,11 @@ where
         let fits = most == primitives.len() && tree.nodes.is_empty() == tree.order.is_empty();
         assert!(fits || site.is_over(), "a tree for other primitives");
         let (root, nodes, leaves, depth) = collapse::collapse(&primitives, tree, MAX_LEAF, site)?;
+        let bounds = tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds);
         site.finish(Self {
             cut: tree.order.len() > primitives.len(),
-            bounds: tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds),
+            bounds,
+            scale: bounds.scale(),
             primitives,
             root,
             nodes,
@@ -122,7 +126,7 @@ where
         let mut apart = 0;
         while P::TRIANGLES && rays.len() - apart >= FEW {
             let end = rays.len().min(apart + packet::RAYS);
-            if !packet.gather(&rays[apart..end], self.bounds.scale()) {
+            if !packet.gather(&rays[apart..end], self.scale) {
                 apart = end;
                 continue;
             }
@@ -135,7 +139,7 @@ where
                 queries: together,
             });
             for i in packet.take_uncovered() {
-                if let Some(ray) = PreparedRay::new(&rays[apart + i], self.bounds.scale()) {
+                if let Some(ray) = PreparedRay::new(&rays[apart + i], self.scale) {
                     self.plainly(&ray, &mut together[i], &mut ());
                 }
             }
@@ -202,17 +206,14 @@ where
 
     #[inline]
     fn traverse<Q: Query, C: Counters>(&self, ray: &Ray, query: &mut Q, counters: &mut C) {
-        let Some(ray) = PreparedRay::new(ray, self.bounds.scale()) else {
-            return;
-        };
         if self.root == Child::NOTHING {
             return;
         }
         // Of the two loops only one is compiled for a kind of counters.
-        if !C::EXPLAINS && ray.is_tame() {
+        if !C::EXPLAINS {
             let one = traverse::One {
                 bvh: self,
-                ray: &ray,
+                ray,
                 query,
                 counters,
             };
@@ -226,7 +227,9 @@ where
                 return;
             }
         }
-        self.plainly(&ray, query, counters);
+        if let Some(ray) = PreparedRay::new(ray, self.scale) {
+            self.plainly(&ray, query, counters);
+        }
     }
 
     fn traverse_each<Q: Query, C: Counters>(

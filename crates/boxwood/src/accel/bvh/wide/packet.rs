@@ -102,7 +102,7 @@ impl Packet {
         self.most_origin = [f32::NEG_INFINITY; 3];
         let mut slack = 0.0_f64;
         for (i, ray) in rays.iter().enumerate() {
-            let Some(ray) = PreparedRay::new(ray, scale).filter(PreparedRay::is_tame) else {
+            let Some(ray) = PreparedRay::tame(ray, scale) else {
                 return false;
             };
             let heading = Heading::of(&ray);

@@ -2,17 +2,17 @@
 
 use super::WideBvh;
 use super::node::{Child, Heading, WideRay};
-use crate::geometry::PreparedRay;
 use crate::geometry::triangle::block::{BlockRay, Stop};
+use crate::geometry::{PreparedRay, Ray};
 use crate::primitive::Primitives;
 use crate::query::{Counters, Query};
 use crate::simd::{F, Floats, Kernel, Lanes, Mask, Simd, Stack, U, Words};
-use core::ops::ControlFlow::{self, Continue};
+use core::ops::ControlFlow::{self, Break, Continue};
 
-/// One ray through the door. The ray is tame.
+/// One ray through the door.
 pub struct One<'a, P, Q, C, const N: usize> {
     pub bvh: &'a WideBvh<P, N>,
-    pub ray: &'a PreparedRay,
+    pub ray: &'a Ray,
     pub query: &'a mut Q,
     pub counters: &'a mut C,
 }
@@ -21,7 +21,10 @@ impl<P: Primitives, Q: Query, C: Counters, const N: usize> Kernel<N> for One<'_,
     type Output = ControlFlow<Stop>;
     #[inline(always)]
     fn run<S: Simd + Lanes<N>>(self, s: S) -> ControlFlow<Stop> {
-        walk(s, self.bvh, self.ray, self.query, self.counters)
+        match PreparedRay::tame(self.ray, self.bvh.scale) {
+            Some(ray) => walk(s, self.bvh, &ray, self.query, self.counters),
+            None => Break(Stop::Uncovered),
+        }
     }
 }
 
