@@ -2,6 +2,7 @@
 
 use super::{Aabb, Vec3};
 use crate::math;
+use crate::simd::{F, Floats, Lanes, Portable};
 use core::ops::Deref;
 
 /// A half line with a closed interval `[t_min, t_max]`; 32 bytes. The direction may have any length; `t` counts in it.
@@ -106,7 +107,7 @@ impl PreparedRay {
     /// Makes a ray ready for a scene whose largest |coordinate| is `scale`; `None` when it can hit nothing.
     #[inline]
     pub fn new(ray: &Ray, scale: f32) -> Option<Self> {
-        match Self::tame(ray, scale) {
+        match Self::tame(Portable, ray, scale) {
             None => Self::wild(ray, scale),
             tame => tame,
         }
@@ -114,7 +115,7 @@ impl PreparedRay {
 
     /// The same for a ray inside the doors; `None` for any other. Without a branch but that one.
     #[inline(always)]
-    pub(crate) fn tame(ray: &Ray, scale: f32) -> Option<Self> {
+    pub(crate) fn tame<S: Lanes<4>>(s: S, ray: &Ray, scale: f32) -> Option<Self> {
         let (o, d) = (ray.origin, ray.direction);
         // A comparison that fails for NaN, not `max`, which would lose it.
         let t_min = if ray.t_min < 0.0 { 0.0 } else { ray.t_min };
@@ -143,7 +144,8 @@ impl PreparedRay {
         } else {
             (d.x, d.y, d.z)
         };
-        let shear = [dx / dz, dy / dz, 1.0 / dz];
+        let shear = F::<S, 4>::load(s, &[dx, dy, 1.0, 1.0]) / F::<S, 4>::splat(s, dz);
+        let [sx, sy, iz, _] = shear.to_array();
         let slack = 32.0 * U * (scale + reach);
         let ready = Self {
             ray: Ray {
@@ -155,11 +157,11 @@ impl PreparedRay {
             near: Vec3::ZERO,
             far: Vec3::ZERO,
             axes: [AFTER[kz], AFTER[AFTER[kz]], kz],
-            shear,
+            shear: [sx, sy, iz],
             slack: f64::from(slack),
             scaled: None,
         };
-        Some(ready.facing(d, U * largest, slack))
+        Some(ready.facing(s, d, U * largest, slack))
     }
 
     /// For any other ray.
@@ -192,24 +194,27 @@ impl PreparedRay {
             slack,
             scaled: Some(power),
         };
-        Some(ready.facing(d, U * d[kz].abs(), slack as f32))
+        Some(ready.facing(Portable, d, U * d[kz].abs(), slack as f32))
     }
 
     /// With what slab tests need of a direction whose coordinates are raised to `floor` at least.
     #[inline(always)]
-    fn facing(self, d: Vec3, floor: f32, slack: f32) -> Self {
+    fn facing<S: Lanes<4>>(self, s: S, d: Vec3, floor: f32, slack: f32) -> Self {
         let raise = |x: f32| {
             // Not the sign's bit: `crossing` counts a zero of either sign as going up.
             let least = if x < 0.0 { -floor } else { floor };
             if x.abs() < floor { least } else { x }
         };
-        let inverse = Vec3::new(1.0 / raise(d.x), 1.0 / raise(d.y), 1.0 / raise(d.z));
-        let pad = inverse.abs() * slack;
-        let at = self.ray.origin * inverse;
+        let along = F::<S, 4>::load(s, &[raise(d.x), raise(d.y), raise(d.z), 1.0]);
+        let inverse = F::<S, 4>::splat(s, 1.0) / along;
+        let pad = inverse.max(F::<S, 4>::splat(s, 0.0) - inverse) * F::<S, 4>::splat(s, slack);
+        let o = self.ray.origin;
+        let at = F::<S, 4>::load(s, &[o.x, o.y, o.z, 0.0]) * inverse;
+        let first = |[x, y, z, _]: [f32; 4]| Vec3::new(x, y, z);
         Self {
-            inverse,
-            near: at + pad,
-            far: at - pad,
+            inverse: first(inverse.to_array()),
+            near: first((at + pad).to_array()),
+            far: first((at - pad).to_array()),
             ..self
         }
     }

@@ -58,7 +58,7 @@ impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Batch<'_, P, Q, N> {
         let mut at_leaf = [0_u8; SLOTS];
         let (mut nodes, mut leaves) = (0, 0);
         while slots.len() < SLOTS
-            && let Some(slot) = Slot::next(bvh, &mut waiting, queries)
+            && let Some(slot) = Slot::next(s, bvh, &mut waiting, queries)
         {
             let (list, count) = if slot.current.is_leaf() {
                 (&mut at_leaf, &mut leaves)
@@ -127,7 +127,7 @@ impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Batch<'_, P, Q, N> {
                     }
                 }
                 if slot.current == Child::NOTHING {
-                    match Slot::next(bvh, &mut waiting, queries) {
+                    match Slot::next(s, bvh, &mut waiting, queries) {
                         Some(next) => *slot = next,
                         None => continue,
                     }
@@ -148,13 +148,14 @@ impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Batch<'_, P, Q, N> {
 impl Slot {
     /// The next ray that is worth a slot; those outside the doors are answered at once.
     #[inline(always)]
-    fn next<'r, P: Primitives, Q: Query, const N: usize>(
+    fn next<'r, S: Lanes<4>, P: Primitives, Q: Query, const N: usize>(
+        s: S,
         bvh: &WideBvh<P, N>,
         waiting: &mut impl Iterator<Item = (usize, &'r Ray)>,
         queries: &mut [Q],
     ) -> Option<Self> {
         for (index, ray) in waiting {
-            if let Some(ray) = PreparedRay::tame(ray, bvh.scale) {
+            if let Some(ray) = PreparedRay::tame(s, ray, bvh.scale) {
                 return Some(Self {
                     heading: Heading::of(&ray),
                     ray,

@@ -16,7 +16,7 @@ use crate::geometry::triangle::block::{RayGroup, TriangleBlock};
 use crate::geometry::{PreparedRay, Ray};
 use crate::primitive::Primitives;
 use crate::query::Query;
-use crate::simd::{F, Floats, Kernel, Lanes, Mask, Simd, U, Words};
+use crate::simd::{F, Floats, Kernel, Lanes, Mask, Portable, Simd, U, Words};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -95,6 +95,7 @@ impl Packet {
 
     /// Takes up to [`RAYS`] rays in; `false` when they do not run together.
     pub fn gather(&mut self, rays: &[Ray], scale: f32) -> bool {
+        let s = Portable;
         self.t_max = [[f32::NEG_INFINITY; LANES]; GROUPS];
         self.least_inverse = [f32::INFINITY; 3];
         self.most_inverse = [f32::NEG_INFINITY; 3];
@@ -102,7 +103,7 @@ impl Packet {
         self.most_origin = [f32::NEG_INFINITY; 3];
         let mut slack = 0.0_f64;
         for (i, ray) in rays.iter().enumerate() {
-            let Some(ray) = PreparedRay::tame(ray, scale) else {
+            let Some(ray) = PreparedRay::tame(s, ray, scale) else {
                 return false;
             };
             let heading = Heading::of(&ray);

@@ -21,7 +21,7 @@ impl<P: Primitives, Q: Query, C: Counters, const N: usize> Kernel<N> for One<'_,
     type Output = ControlFlow<Stop>;
     #[inline(always)]
     fn run<S: Simd + Lanes<N>>(self, s: S) -> ControlFlow<Stop> {
-        match PreparedRay::tame(self.ray, self.bvh.scale) {
+        match PreparedRay::tame(s, self.ray, self.bvh.scale) {
             Some(ray) => walk(s, self.bvh, &ray, self.query, self.counters),
             None => Break(Stop::Uncovered),
         }
