@@ -104,6 +104,35 @@ pub struct PreparedRay {
 }
 
 impl PreparedRay {
+    /// What a tame ray's coordinates are added up to less than, and what its longest one is above.
+    pub(crate) const DOORS: [f32; 2] = [HUGE.recip(), HUGE];
+    /// Whether rays can be tame in a scene whose largest |coordinate| is `scale`.
+    #[inline(always)]
+    pub(crate) fn is_tame_scene(scale: f32) -> bool {
+        (TINY_SCENE < scale) & (scale < HUGE)
+    }
+    /// How many units of the largest |coordinates| of scene and origin the slack is.
+    pub(crate) const SLACK: f32 = 32.0 * U;
+    /// To how many units of the longest coordinate of a direction the others are raised.
+    pub(crate) const FLOOR: f32 = U;
+
+    /// No ray: what a place holds before there is one.
+    pub(crate) const IDLE: Self = Self {
+        ray: Ray {
+            origin: Vec3::ZERO,
+            t_min: 0.0,
+            direction: Vec3::ZERO,
+            t_max: 0.0,
+        },
+        inverse: Vec3::ZERO,
+        near: Vec3::ZERO,
+        far: Vec3::ZERO,
+        axes: [0, 1, 2],
+        shear: [0.0; 3],
+        slack: 0.0,
+        scaled: None,
+    };
+
     /// Makes a ray ready for a scene whose largest |coordinate| is `scale`; `None` when it can hit nothing.
     #[inline]
     pub fn new(ray: &Ray, scale: f32) -> Option<Self> {
@@ -128,8 +157,7 @@ impl PreparedRay {
             & (distance.x + distance.y + distance.z < HUGE)
             & (size.x + size.y + size.z < HUGE)
             & (HUGE.recip() < largest)
-            & (TINY_SCENE < scale)
-            & (scale < HUGE);
+            & Self::is_tame_scene(scale);
         if !inside {
             return None;
         }
@@ -146,7 +174,7 @@ impl PreparedRay {
         };
         let shear = F::<S, 4>::load(s, &[dx, dy, 1.0, 1.0]) / F::<S, 4>::splat(s, dz);
         let [sx, sy, iz, _] = shear.to_array();
-        let slack = 32.0 * U * (scale + reach);
+        let slack = Self::SLACK * (scale + reach);
         let ready = Self {
             ray: Ray {
                 t_min,
@@ -161,7 +189,7 @@ impl PreparedRay {
             slack: f64::from(slack),
             scaled: None,
         };
-        Some(ready.facing(s, d, U * largest, slack))
+        Some(ready.facing(s, d, Self::FLOOR * largest, slack))
     }
 
     /// For any other ray.

@@ -87,7 +87,7 @@ pub trait Intersect: Send + Sync {
 }
 
 /// Rays per chunk of a batch: enough to keep many in flight nearly all of the time, few enough for the second-level cache.
-const CHUNK: usize = 512;
+const CHUNK: usize = 1024;
 
 impl<T: Traverse + Send + Sync> Intersect for T {
     fn bounds(&self) -> Aabb {

@@ -16,7 +16,6 @@ use crate::primitive::Primitives;
 use crate::query::Query;
 use crate::simd::{F, Floats, Kernel, Lanes, Mask, Simd, U, Words, prefetch};
 use alloc::vec;
-use alloc::vec::Vec;
 use core::ops::ControlFlow::{Break, Continue};
 
 /// Rays in flight: 16 to 64 are equally fast.
@@ -39,6 +38,19 @@ struct Slot {
     pending: usize,
     /// Its place in the batch.
     index: usize,
+    /// What its query said last.
+    t_max: f32,
+}
+
+impl Slot {
+    const IDLE: Self = Self {
+        ray: PreparedRay::IDLE,
+        heading: Heading::NONE,
+        current: Child::NOTHING,
+        pending: 1,
+        index: 0,
+        t_max: f32::NEG_INFINITY,
+    };
 }
 
 impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Batch<'_, P, Q, N> {
@@ -51,38 +63,38 @@ impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Batch<'_, P, Q, N> {
         let height = bvh.depth * (N - 1) + 1 + N;
         let mut children = vec![Child::NOTHING.0; SLOTS * height];
         let mut entries = vec![f32::NEG_INFINITY; SLOTS * height];
-        let mut slots: Vec<Slot> = Vec::with_capacity(SLOTS);
+        let mut slots = [const { Slot::IDLE }; SLOTS];
         let mut waiting = rays.iter().enumerate();
         // Who stands at a node, and who at a leaf.
         let mut at_node = [0_u8; SLOTS];
         let mut at_leaf = [0_u8; SLOTS];
         let (mut nodes, mut leaves) = (0, 0);
-        while slots.len() < SLOTS
-            && let Some(slot) = Slot::next(s, bvh, &mut waiting, queries)
-        {
+        for (place, slot) in slots.iter_mut().enumerate() {
+            let Some(next) = Slot::next(s, bvh, &mut waiting, queries) else {
+                break;
+            };
+            *slot = next;
             let (list, count) = if slot.current.is_leaf() {
                 (&mut at_leaf, &mut leaves)
             } else {
                 (&mut at_node, &mut nodes)
             };
-            list[*count] = slots.len() as u8;
+            list[*count % SLOTS] = place as u8;
             *count += 1;
-            slots.push(slot);
         }
         while nodes + leaves > 0 {
             while nodes > 0 && leaves < SLOTS / 2 {
                 let mut stay = 0;
                 for i in 0..nodes {
-                    let place = at_node[i] as usize;
+                    let place = at_node[i % SLOTS] as usize % SLOTS;
                     let slot = &mut slots[place];
                     let bottom = place * height;
                     let children = &mut children[bottom..bottom + height];
                     let entries = &mut entries[bottom..bottom + height];
-                    let t_max = queries[slot.index].t_max();
-                    slot.step::<S, Q, N>(s, &bvh.nodes, t_max, children, entries);
+                    slot.step::<S, Q, N>(s, &bvh.nodes, children, entries);
                     bvh.fetch(slot.current);
                     // Both lists are written, and one of them grows.
-                    at_node[stay] = place as u8;
+                    at_node[stay % SLOTS] = place as u8;
                     at_leaf[leaves % SLOTS] = place as u8;
                     let leaf = usize::from(slot.current.is_leaf());
                     stay += 1 - leaf;
@@ -93,12 +105,11 @@ impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Batch<'_, P, Q, N> {
             let count = leaves;
             leaves = 0;
             for i in 0..count {
-                let place = at_leaf[i] as usize;
+                let place = at_leaf[i % SLOTS] as usize % SLOTS;
                 let slot = &mut slots[place];
                 let query = &mut queries[slot.index];
                 let bottom = place * height;
                 if slot.current != Child::NOTHING {
-                    let before = query.t_max();
                     let lanes = BlockRay::<S>::new(s, &slot.ray);
                     let blocks = slot.current.blocks();
                     let shown = bvh.leaves.offer(
@@ -114,8 +125,9 @@ impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Batch<'_, P, Q, N> {
                         Continue(()) => {
                             let children = &mut children[bottom..bottom + height];
                             let entries = &mut entries[bottom..bottom + height];
-                            if query.t_max() < before {
-                                slot.forget_beyond(query.t_max(), children, entries);
+                            if query.t_max() < slot.t_max {
+                                slot.t_max = query.t_max();
+                                slot.forget_beyond(children, entries);
                             }
                             slot.pop(children);
                         }
@@ -138,7 +150,7 @@ impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Batch<'_, P, Q, N> {
                 } else {
                     (&mut at_node, &mut nodes)
                 };
-                list[*count] = place as u8;
+                list[*count % SLOTS] = place as u8;
                 *count += 1;
             }
         }
@@ -162,6 +174,7 @@ impl Slot {
                     current: bvh.root,
                     pending: 1,
                     index,
+                    t_max: queries[index].t_max(),
                 });
             }
             if let Some(ray) = PreparedRay::new(ray, bvh.scale) {
@@ -177,16 +190,15 @@ impl Slot {
         &mut self,
         s: S,
         nodes: &[Node<N>],
-        t_max: f32,
         children: &mut [u32],
         entries: &mut [f32],
     ) {
         let node = &nodes[self.current.index()];
         let ray = WideRay::<S, N>::new(s, &self.ray, self.heading);
-        let (entry, exit) = node.slabs(s, &ray, F::<S, N>::splat(s, t_max));
+        let (entry, exit) = node.slabs(s, &ray, F::<S, N>::splat(s, self.t_max));
         let below = U::<S, N>::load(s, node.children());
         let (entry, exit, below) = if Q::ORDERED {
-            let order = U::<S, N>::from_nibbles(s, node.order(self.heading.octant));
+            let order = U::<S, N>::from_nibbles(s, node.order(self.heading.octant()));
             (
                 entry.permute(order),
                 exit.permute(order),
@@ -211,13 +223,13 @@ impl Slot {
         self.current = Child(children[self.pending]);
     }
 
-    /// Drops what is entered beyond `t_max`. What is entered exactly there may hold an equal hit of a lower primitive.
+    /// Drops what is entered beyond its `t_max`. What is entered exactly there may hold an equal hit of a lower primitive.
     #[inline(always)]
-    fn forget_beyond(&mut self, t_max: f32, children: &mut [u32], entries: &mut [f32]) {
+    fn forget_beyond(&mut self, children: &mut [u32], entries: &mut [f32]) {
         let mut kept = 1;
         for i in 1..self.pending {
             (children[kept], entries[kept]) = (children[i], entries[i]);
-            kept += usize::from(entries[i] <= t_max);
+            kept += usize::from(entries[i] <= self.t_max);
         }
         self.pending = kept;
     }
@@ -230,7 +242,7 @@ impl<P: Primitives, const N: usize> WideBvh<P, N> {
         if child.is_leaf() {
             self.leaves.fetch(child.blocks().start);
         } else if let Some(node) = self.nodes.get(child.index()) {
-            prefetch(node, 4);
+            prefetch(node, size_of::<Node<N>>() / 64);
         }
     }
 }

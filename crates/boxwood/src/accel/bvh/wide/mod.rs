@@ -35,6 +35,7 @@ use core::mem;
 use core::ops::ControlFlow::Break;
 use leaf::Leaves;
 use node::{Child, Node};
+use packet::Outcome;
 
 /// A hierarchy of nodes with `N` children (8 or 16) over owned, borrowed or shared primitives.
 ///
@@ -124,20 +125,33 @@ where
         let level = self.isa.level();
         let mut packet = packet::Packet::for_depth::<N>(self.depth);
         let mut apart = 0;
+        let mut wait = 0;
         while P::TRIANGLES && rays.len() - apart >= FEW {
             let end = rays.len().min(apart + packet::RAYS);
-            if !packet.gather(&rays[apart..end], self.scale) {
-                apart = end;
+            if wait > 0 {
+                (wait, apart) = (wait - 1, end);
                 continue;
+            }
+            let outcome = level.vectorize(packet::Together {
+                bvh: self,
+                packet: &mut packet,
+                rays: &rays[apart..end],
+                queries: &mut queries[apart..end],
+            });
+            match outcome {
+                Outcome::Together => {}
+                Outcome::Apart | Outcome::Loose => {
+                    if outcome == Outcome::Loose {
+                        packet.take_uncovered();
+                        wait = WAIT;
+                    }
+                    apart = end;
+                    continue;
+                }
             }
             let (before, rest) = mem::take(&mut queries).split_at_mut(apart);
             self.apart(&rays[..apart], before);
             let (together, rest) = rest.split_at_mut(end - apart);
-            level.vectorize(packet::Together {
-                bvh: self,
-                packet: &mut packet,
-                queries: together,
-            });
             for i in packet.take_uncovered() {
                 if let Some(ray) = PreparedRay::new(&rays[apart + i], self.scale) {
                     self.plainly(&ray, &mut together[i], &mut ());
@@ -159,6 +173,8 @@ where
     }
 }
 
+/// How many packets run apart after a loose one.
+const WAIT: usize = 7;
 /// Fewer rays than this are not worth a batch.
 const FEW: usize = 16;
 

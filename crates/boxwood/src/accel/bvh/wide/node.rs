@@ -145,7 +145,7 @@ impl<const N: usize> Node<N> {
         ray: &WideRay<S, N>,
         t_max: F<S, N>,
     ) -> (F<S, N>, F<S, N>) {
-        let [x, y, z] = ray.rows;
+        let [x, y, z] = [ray.heading.row(0), ray.heading.row(1), ray.heading.row(2)];
         let near_x = F::<S, N>::load(s, &self.planes[x]).times_less(ray.inverse[0], ray.near[0]);
         let near_y = F::<S, N>::load(s, &self.planes[y]).times_less(ray.inverse[1], ray.near[1]);
         let near_z = F::<S, N>::load(s, &self.planes[z]).times_less(ray.inverse[2], ray.near[2]);
@@ -159,21 +159,44 @@ impl<const N: usize> Node<N> {
     }
 }
 
-/// Which way a ray runs.
-#[derive(Clone, Copy)]
-pub struct Heading {
-    /// The rows of the planes that are met first.
-    rows: [usize; 3],
-    /// Bit `k` says that the ray runs down axis `k`.
-    pub octant: usize,
-}
+/// Which way a ray runs: bit `k` says that it runs down axis `k`.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Heading(u32);
 
 impl Heading {
     /// Of no ray.
-    pub const NONE: Self = Self {
-        rows: [0; 3],
-        octant: 0,
-    };
+    pub const NONE: Self = Self(0);
+
+    #[inline(always)]
+    pub fn of(ray: &PreparedRay) -> Self {
+        // Not the sign bits: a zero of either sign counts as going up.
+        Self::towards(ray.slab_terms().0)
+    }
+
+    /// Of a direction, or of its reciprocal.
+    #[inline(always)]
+    pub fn towards(d: Vec3) -> Self {
+        let [x, y, z] = [d.x < 0.0, d.y < 0.0, d.z < 0.0].map(u32::from);
+        Self(x | y << 1 | z << 2)
+    }
+
+    /// Which of a node's eight orders fits.
+    #[inline(always)]
+    pub fn octant(self) -> usize {
+        self.0 as usize & 7
+    }
+
+    /// The row of the planes across an axis that are met first; the other one is its neighbour.
+    #[inline(always)]
+    fn row(self, axis: usize) -> usize {
+        2 * axis + (self.0 as usize >> axis & 1)
+    }
+
+    /// Whether the ray runs down an axis.
+    #[inline(always)]
+    pub fn is_down(self, axis: usize) -> bool {
+        self.0 >> axis & 1 == 1
+    }
 
     /// The near and the far planes of a node across an axis.
     #[inline(always)]
@@ -183,7 +206,7 @@ impl Heading {
         node: &Node<N>,
         axis: usize,
     ) -> [F<S, N>; 2] {
-        let near = self.rows[axis];
+        let near = self.row(axis);
         [
             F::<S, N>::load(s, &node.planes[near]),
             F::<S, N>::load(s, &node.planes[near ^ 1]),
@@ -193,18 +216,8 @@ impl Heading {
     /// Those of one child.
     #[inline(always)]
     pub fn plane<const N: usize>(self, node: &Node<N>, axis: usize, lane: usize) -> [f32; 2] {
-        let near = self.rows[axis];
+        let near = self.row(axis);
         [node.planes[near][lane], node.planes[near ^ 1][lane]]
-    }
-
-    #[inline(always)]
-    pub fn of(ray: &PreparedRay) -> Self {
-        let (inverse, ..) = ray.slab_terms();
-        let down = [inverse.x < 0.0, inverse.y < 0.0, inverse.z < 0.0].map(usize::from);
-        Self {
-            rows: [down[0], 2 + down[1], 4 + down[2]],
-            octant: down[0] | down[1] << 1 | down[2] << 2,
-        }
     }
 }
 
@@ -214,7 +227,7 @@ pub struct WideRay<S: Lanes<N>, const N: usize> {
     near: [F<S, N>; 3],
     far: [F<S, N>; 3],
     t_min: F<S, N>,
-    rows: [usize; 3],
+    heading: Heading,
 }
 
 impl<S: Lanes<N>, const N: usize> WideRay<S, N> {
@@ -226,7 +239,7 @@ impl<S: Lanes<N>, const N: usize> WideRay<S, N> {
             near: splat::<S, N>(s, near),
             far: splat::<S, N>(s, far),
             t_min: F::<S, N>::splat(s, ray.t_min),
-            rows: heading.rows,
+            heading,
         }
     }
 }

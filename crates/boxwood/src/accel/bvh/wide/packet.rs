@@ -16,7 +16,7 @@ use crate::geometry::triangle::block::{RayGroup, TriangleBlock};
 use crate::geometry::{PreparedRay, Ray};
 use crate::primitive::Primitives;
 use crate::query::Query;
-use crate::simd::{F, Floats, Kernel, Lanes, Mask, Portable, Simd, U, Words};
+use crate::simd::{F, Floats, Kernel, Lanes, Mask, Simd, U, Words};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -34,7 +34,19 @@ const ROW: Row = [[0.0; LANES]; GROUPS];
 pub struct Together<'a, P, Q, const N: usize> {
     pub bvh: &'a WideBvh<P, N>,
     pub packet: &'a mut Packet,
+    pub rays: &'a [Ray],
     pub queries: &'a mut [Q],
+}
+
+/// What became of rays that were to run together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// They are too different: none was asked.
+    Apart,
+    /// They came to so many nodes that they have little in common: some are answered in part, and all must be asked again.
+    Loose,
+    /// They are answered.
+    Together,
 }
 
 /// Rays made ready to run together.
@@ -67,6 +79,8 @@ pub struct Packet {
 /// Directions that differ by more than this in their reciprocals are not worth a packet: its boxes would be entered by rays
 /// that none of its rays is near to.
 const SPREAD: f32 = 0.25;
+/// A packet that opens more nodes and leaves than this is given up: rays of a camera need a tenth of it.
+const MOST_STEPS: usize = 4 * RAYS;
 
 impl Packet {
     /// For a tree of such a depth.
@@ -93,47 +107,124 @@ impl Packet {
         }
     }
 
-    /// Takes up to [`RAYS`] rays in; `false` when they do not run together.
-    pub fn gather(&mut self, rays: &[Ray], scale: f32) -> bool {
-        let s = Portable;
-        self.t_max = [[f32::NEG_INFINITY; LANES]; GROUPS];
-        self.least_inverse = [f32::INFINITY; 3];
-        self.most_inverse = [f32::NEG_INFINITY; 3];
-        self.least_origin = [f32::INFINITY; 3];
-        self.most_origin = [f32::NEG_INFINITY; 3];
-        let mut slack = 0.0_f64;
-        for (i, ray) in rays.iter().enumerate() {
-            let Some(ray) = PreparedRay::tame(s, ray, scale) else {
-                return false;
-            };
-            let heading = Heading::of(&ray);
-            if i == 0 {
-                (self.heading, self.axes) = (heading, ray.axes);
-            }
-            if heading.octant != self.heading.octant || ray.axes != self.axes {
-                return false;
-            }
-            let (group, lane) = (i / LANES % GROUPS, i % LANES);
-            let (inverse, near, far) = ray.slab_terms();
+    /// Takes up to [`RAYS`] rays in; `false` when they are not all tame or run to different octants or axes.
+    ///
+    /// The same operations as for one ray ([`PreparedRay::tame`]), sixteen at a time.
+    #[inline(always)]
+    fn gather<S: Lanes<LANES>>(&mut self, s: S, rays: &[Ray], scale: f32) -> bool {
+        let Some(first) = rays.first() else {
+            return false;
+        };
+        if rays.len() > RAYS || !PreparedRay::is_tame_scene(scale) {
+            return false;
+        }
+        let size = first.direction.abs();
+        let kz = size.max_axis();
+        self.axes = [(kz + 1) % 3, (kz + 2) % 3, kz];
+        self.heading = Heading::towards(first.direction);
+        let (mut origins, mut directions) = ([ROW; 3], [ROW; 3]);
+        for i in 0..RAYS {
+            // Places without a ray hold the first one, which asks nothing there.
+            let ray = rays.get(i).unwrap_or(first);
+            let (group, lane) = (i / LANES, i % LANES);
             for k in 0..3 {
-                self.origin[k][group][lane] = ray.origin[self.axes[k]];
-                self.shear[k][group][lane] = ray.shear[k];
-                self.inverse[k][group][lane] = inverse[k];
-                self.near[k][group][lane] = near[k];
-                self.far[k][group][lane] = far[k];
-                self.least_inverse[k] = self.least_inverse[k].min(inverse[k]);
-                self.most_inverse[k] = self.most_inverse[k].max(inverse[k]);
-                self.least_origin[k] = self.least_origin[k].min(ray.origin[k]);
-                self.most_origin[k] = self.most_origin[k].max(ray.origin[k]);
+                origins[k][group][lane] = ray.origin[k];
+                directions[k][group][lane] = ray.direction[k];
             }
             self.t_min[group][lane] = ray.t_min;
             self.t_max[group][lane] = ray.t_max;
-            slack = slack.max(ray.slack());
         }
-        let slack = slack as f32;
+        let splat = F::<S, LANES>::splat;
+        let load = F::<S, LANES>::load;
+        let (zero, one) = (splat(s, 0.0), splat(s, 1.0));
+        let (mut least_inverse, mut most_inverse) = (
+            [splat(s, f32::INFINITY); 3],
+            [splat(s, f32::NEG_INFINITY); 3],
+        );
+        let (mut least_origin, mut most_origin) = (least_inverse, most_inverse);
+        for group in 0..GROUPS {
+            let o = [
+                load(s, &origins[0][group]),
+                load(s, &origins[1][group]),
+                load(s, &origins[2][group]),
+            ];
+            let d = [
+                load(s, &directions[0][group]),
+                load(s, &directions[1][group]),
+                load(s, &directions[2][group]),
+            ];
+            let size = [
+                d[0].max(zero - d[0]),
+                d[1].max(zero - d[1]),
+                d[2].max(zero - d[2]),
+            ];
+            let distance = [
+                o[0].max(zero - o[0]),
+                o[1].max(zero - o[1]),
+                o[2].max(zero - o[2]),
+            ];
+            let [kx, ky, kz] = self.axes;
+            let t_min = zero.max(load(s, &self.t_min[group]));
+            let t_max = load(s, &self.t_max[group]).min(splat(s, f32::MAX));
+            // In one octant, with the same longest axis (the lowest wins a tie), and inside the doors.
+            let mut alike = t_min.le(t_max)
+                & (distance[0] + distance[1] + distance[2]).lt(splat(s, PreparedRay::DOORS[1]))
+                & (size[0] + size[1] + size[2]).lt(splat(s, PreparedRay::DOORS[1]))
+                & splat(s, PreparedRay::DOORS[0]).lt(size[kz]);
+            for k in [kx, ky] {
+                alike = alike
+                    & if k < kz {
+                        size[k].lt(size[kz])
+                    } else {
+                        size[k].le(size[kz])
+                    };
+            }
+            for k in 0..3 {
+                alike = alike
+                    & if self.heading.is_down(k) {
+                        d[k].lt(zero)
+                    } else {
+                        zero.le(d[k])
+                    };
+            }
+            if alike.bits() != u32::MAX >> (32 - LANES) {
+                return false;
+            }
+            let reach = distance[0].max(distance[1]).max(distance[2]);
+            let slack = splat(s, PreparedRay::SLACK) * (splat(s, scale) + reach);
+            let floor = splat(s, PreparedRay::FLOOR) * size[kz];
+            for k in 0..3 {
+                let raised = if self.heading.is_down(k) {
+                    d[k].min(zero - floor)
+                } else {
+                    d[k].max(floor)
+                };
+                let inverse = one / raised;
+                let pad = inverse.max(zero - inverse) * slack;
+                let at = o[k] * inverse;
+                self.inverse[k][group] = inverse.to_array();
+                self.near[k][group] = (at + pad).to_array();
+                self.far[k][group] = (at - pad).to_array();
+                least_inverse[k] = least_inverse[k].min(inverse);
+                most_inverse[k] = most_inverse[k].max(inverse);
+                least_origin[k] = least_origin[k].min(o[k] - slack);
+                most_origin[k] = most_origin[k].max(o[k] + slack);
+            }
+            self.shear[0][group] = (d[kx] / d[kz]).to_array();
+            self.shear[1][group] = (d[ky] / d[kz]).to_array();
+            self.shear[2][group] = (one / d[kz]).to_array();
+            self.t_min[group] = t_min.to_array();
+            self.t_max[group] = t_max.to_array();
+        }
         for k in 0..3 {
-            self.least_origin[k] -= slack;
-            self.most_origin[k] += slack;
+            self.origin[k] = origins[self.axes[k]];
+            self.least_inverse[k] = least(least_inverse[k].to_array());
+            self.most_inverse[k] = most(most_inverse[k].to_array());
+            self.least_origin[k] = least(least_origin[k].to_array());
+            self.most_origin[k] = most(most_origin[k].to_array());
+        }
+        for i in rays.len()..RAYS {
+            self.t_max[i / LANES][i % LANES] = f32::NEG_INFINITY;
         }
         self.is_narrow()
     }
@@ -151,38 +242,67 @@ impl Packet {
         })
     }
 
-    fn latest(&self) -> f32 {
-        self.t_max
-            .as_flattened()
-            .iter()
-            .fold(f32::NEG_INFINITY, |a, &b| if b > a { b } else { a })
+    /// The end of the longest interval.
+    #[inline(always)]
+    fn latest<S: Lanes<LANES>>(&self, s: S) -> f32 {
+        let load = F::<S, LANES>::load;
+        let [a, b, c, d] = &self.t_max;
+        let latest = (load(s, a).max(load(s, b))).max(load(s, c).max(load(s, d)));
+        most(latest.to_array())
     }
 }
 
+#[inline(always)]
+fn least(row: [f32; LANES]) -> f32 {
+    let mut least = row[0];
+    for x in row {
+        least = if x < least { x } else { least };
+    }
+    least
+}
+
+#[inline(always)]
+fn most(row: [f32; LANES]) -> f32 {
+    let mut most = row[0];
+    for x in row {
+        most = if x > most { x } else { most };
+    }
+    most
+}
+
 impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Together<'_, P, Q, N> {
-    type Output = ();
+    type Output = Outcome;
 
     #[inline(always)]
-    fn run<S: Simd + Lanes<N>>(self, s: S) {
+    fn run<S: Simd + Lanes<N>>(self, s: S) -> Outcome {
         let Together {
             bvh,
             packet,
+            rays,
             queries,
         } = self;
+        if !packet.gather(s, rays, bvh.scale) {
+            return Outcome::Apart;
+        }
         let bounds = Bounds::<S, N>::new(s, packet);
-        let mut latest = packet.latest();
+        let mut latest = packet.latest(s);
+        let mut steps = 0;
         let mut pending = 1;
         let mut current = bvh.root;
         let mut parent = Child::NOTHING;
         loop {
+            steps += 1;
+            if steps > MOST_STEPS {
+                return Outcome::Loose;
+            }
             if current.is_leaf() {
                 if packet.leaf(s, bvh, current, parent, queries) {
-                    latest = packet.latest();
+                    latest = packet.latest(s);
                 }
             } else {
                 let node = &bvh.nodes[current.index()];
                 let (entry, exit) = bounds.slabs(s, node, latest);
-                let order = U::<S, N>::from_nibbles(s, node.order(packet.heading.octant));
+                let order = U::<S, N>::from_nibbles(s, node.order(packet.heading.octant()));
                 let (entry, exit) = (entry.permute(order), exit.permute(order));
                 let entered = entry.le(exit);
                 let below = U::<S, N>::load(s, node.children()).permute(order);
@@ -201,7 +321,7 @@ impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Together<'_, P, Q, N
             loop {
                 pending -= 1;
                 if pending == 0 {
-                    return;
+                    return Outcome::Together;
                 }
                 if packet.entries[pending] <= latest {
                     break;
@@ -238,8 +358,11 @@ impl<S: Lanes<N>, const N: usize> Bounds<S, N> {
         };
         for k in 0..3 {
             let (least, most) = (packet.least_origin[k], packet.most_origin[k]);
-            let down = packet.heading.octant >> k & 1 == 1;
-            let (near, far) = if down { (least, most) } else { (most, least) };
+            let (near, far) = if packet.heading.is_down(k) {
+                (least, most)
+            } else {
+                (most, least)
+            };
             new.least_inverse[k] = F::<S, N>::splat(s, packet.least_inverse[k]);
             new.most_inverse[k] = F::<S, N>::splat(s, packet.most_inverse[k]);
             new.near[k] = F::<S, N>::splat(s, near);
@@ -280,7 +403,7 @@ impl Packet {
             // A tree of one leaf has no node that holds its box.
             if let Some(node) = bvh.nodes.get(parent.index())
                 && let Some(lane) = node.children().iter().position(|&child| child == leaf.0)
-                && !self.enter(s, node, lane, group)
+                && self.enter(s, node, lane, group) == 0
             {
                 continue;
             }
@@ -291,7 +414,7 @@ impl Packet {
         shorter
     }
 
-    /// Whether some ray of a group enters a child's box.
+    /// The rays of a group that enter a child's box, a bit each.
     #[inline(always)]
     fn enter<S: Lanes<LANES>, const N: usize>(
         &self,
@@ -299,7 +422,7 @@ impl Packet {
         node: &Node<N>,
         lane: usize,
         group: usize,
-    ) -> bool {
+    ) -> u32 {
         let mut entry = F::<S, LANES>::load(s, &self.t_min[group]);
         let mut exit = F::<S, LANES>::load(s, &self.t_max[group]);
         for k in 0..3 {
@@ -310,7 +433,7 @@ impl Packet {
             entry = entry.max(F::<S, LANES>::splat(s, near).times_less(inverse, from));
             exit = exit.min(F::<S, LANES>::splat(s, far).times_less(inverse, to));
         }
-        entry.le(exit).bits() != 0
+        entry.le(exit).bits()
     }
 
     /// Each triangle of a block against a group of rays.

@@ -66,7 +66,7 @@ where
                     continue;
                 }
             } else if Q::ORDERED {
-                let order = U::<S, N>::from_nibbles(s, node.order(heading.octant));
+                let order = U::<S, N>::from_nibbles(s, node.order(heading.octant()));
                 let (entry, exit) = (entry.permute(order), exit.permute(order));
                 let children = U::<S, N>::load(s, node.children()).permute(order);
                 stack.push::<S, N>(children, entry, entry.le(exit));
