@@ -62,12 +62,12 @@ impl TriangleBlock {
     #[inline(always)]
     pub fn offer<S: Lanes<LANES>, Q: Query>(
         &self,
-        s: S,
-        lanes: &BlockRay<S>,
+        lanes: &BlockRay<'_, S>,
         query: &mut Q,
         seen: impl Fn(u32) -> bool,
     ) -> ControlFlow<Stop> {
-        let [kx, ky, kz] = lanes.axes;
+        let s = lanes.s;
+        let [kx, ky, kz] = lanes.ray.axes;
         let [ox, oy, oz] = lanes.origin;
         let [sx, sy, iz] = lanes.shear;
         let [a, b, c] = &self.corners;
@@ -135,23 +135,25 @@ fn difference_of_products<const N: usize, T: Floats<N>>(a: T, b: T, c: T, d: T) 
     (p - q) + (a.product_error(b, p) - c.product_error(d, q))
 }
 
-/// A tame ray in every lane.
-pub struct BlockRay<S: Lanes<LANES>> {
-    axes: [usize; 3],
+/// A tame ray, and what the test needs of it in every lane.
+pub struct BlockRay<'r, S: Lanes<LANES>> {
+    pub ray: &'r PreparedRay,
+    s: S,
     /// In the order of `axes`.
     origin: [F<S, LANES>; 3],
     shear: [F<S, LANES>; 3],
     t_min: F<S, LANES>,
 }
 
-impl<S: Lanes<LANES>> BlockRay<S> {
+impl<'r, S: Lanes<LANES>> BlockRay<'r, S> {
     /// The ray must be [tame](PreparedRay::is_tame).
     #[inline(always)]
-    pub fn new(s: S, ray: &PreparedRay) -> Self {
+    pub fn new(s: S, ray: &'r PreparedRay) -> Self {
         let [kx, ky, kz] = ray.axes;
         let [sx, sy, iz] = ray.shear;
         Self {
-            axes: ray.axes,
+            ray,
+            s,
             origin: [
                 F::<S, LANES>::splat(s, ray.origin[kx]),
                 F::<S, LANES>::splat(s, ray.origin[ky]),

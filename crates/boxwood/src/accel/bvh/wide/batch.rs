@@ -112,15 +112,9 @@ impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Batch<'_, P, Q, N> {
                 if slot.current != Child::NOTHING {
                     let lanes = BlockRay::<S>::new(s, &slot.ray);
                     let blocks = slot.current.blocks();
-                    let shown = bvh.leaves.offer(
-                        s,
-                        blocks,
-                        &bvh.primitives,
-                        &lanes,
-                        &slot.ray,
-                        query,
-                        &mut (),
-                    );
+                    let shown = bvh
+                        .leaves
+                        .offer(blocks, &bvh.primitives, &lanes, query, &mut ());
                     match shown {
                         Continue(()) => {
                             let children = &mut children[bottom..bottom + height];

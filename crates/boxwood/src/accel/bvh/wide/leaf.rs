@@ -1,6 +1,5 @@
 //! What lies in the leaves: triangles lane by lane, or the numbers of anything else.
 
-use crate::geometry::PreparedRay;
 use crate::geometry::triangle::block::{BlockRay, LANES, Stop, TriangleBlock};
 use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Query};
@@ -95,11 +94,9 @@ impl Leaves {
     #[inline(always)]
     pub fn offer<S: Lanes<LANES>, P: Primitives, Q: Query, C: Counters>(
         &self,
-        s: S,
         blocks: Range<usize>,
         primitives: &P,
-        lanes: &BlockRay<S>,
-        ray: &PreparedRay,
+        lanes: &BlockRay<'_, S>,
         query: &mut Q,
         counters: &mut C,
     ) -> ControlFlow<Stop> {
@@ -107,9 +104,7 @@ impl Leaves {
             let mask = query.mask();
             for block in &self.triangles[blocks] {
                 counters.primitives(block.count());
-                block.offer(s, lanes, query, |id| {
-                    primitives.mask(id as usize) & mask != 0
-                })?;
+                block.offer(lanes, query, |id| primitives.mask(id as usize) & mask != 0)?;
             }
         } else {
             for block in &self.ids[blocks] {
@@ -117,7 +112,9 @@ impl Leaves {
                     if id == NONE {
                         break;
                     }
-                    if primitive::offer(primitives, id as usize, ray, query, counters).is_break() {
+                    if primitive::offer(primitives, id as usize, lanes.ray, query, counters)
+                        .is_break()
+                    {
                         return Break(Stop::Enough);
                     }
                 }

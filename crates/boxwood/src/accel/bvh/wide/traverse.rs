@@ -79,15 +79,8 @@ where
             }
         }
         counters.leaf();
-        bvh.leaves.offer(
-            s,
-            current.blocks(),
-            &bvh.primitives,
-            &lanes,
-            ray,
-            query,
-            counters,
-        )?;
+        bvh.leaves
+            .offer(current.blocks(), &bvh.primitives, &lanes, query, counters)?;
         t_max = F::<S, N>::splat(s, query.t_max());
         match next(&mut stack, query) {
             Some(child) => current = child,
