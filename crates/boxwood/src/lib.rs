@@ -23,7 +23,7 @@
 //! *What can be relied on.* Every structure returns the bits of [`BruteForce`], on every machine and for any number of
 //! threads; no ray slips between triangles that share an edge; nothing panics on data.
 #![cfg_attr(not(feature = "std"), no_std)]
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 extern crate alloc;
 
@@ -34,13 +34,14 @@ mod math;
 pub mod plane;
 pub mod primitive;
 pub mod query;
+mod simd;
 
 pub use accel::boxes::{BoundingBoxes, ObjectBoxes};
 pub use accel::brute_force::BruteForce;
 pub use accel::bsp_tree::{BspData, BspSah, BspTree};
 pub use accel::bvh::{
     BinaryTree, BinnedSah, Bvh, EqualCounts, Lbvh, Median, Middle, Ploc, Refine, SpatialSplit,
-    SweepSah,
+    SweepSah, WideBvh, WideSah,
 };
 pub use accel::grid::{Density, GridBuilder, UniformGrid};
 pub use accel::kd_tree::{KdLecture, KdSah, KdTree};
@@ -60,3 +61,4 @@ pub use query::{
     AllHits, Closest, Counters, Filter, FirstHits, Intersect, Occluded, Query, Seen, Step,
     TraversalStats, Traverse, Verdict,
 };
+pub use simd::{Isa, UnknownIsa};

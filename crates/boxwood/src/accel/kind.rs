@@ -3,7 +3,9 @@
 use super::boxes::ObjectBoxes;
 use super::brute_force::Exhaustive;
 use super::bsp_tree::BspSah;
-use super::bvh::{BinnedSah, EqualCounts, Lbvh, Median, Middle, Ploc, SpatialSplit, SweepSah};
+use super::bvh::{
+    BinnedSah, EqualCounts, Lbvh, Median, Middle, Ploc, SpatialSplit, SweepSah, WideSah,
+};
 use super::grid::GridBuilder;
 use super::kd_tree::{KdLecture, KdSah};
 use super::octree::OctreeBuilder;
@@ -129,6 +131,10 @@ kinds! {
     Ploc(Ploc),
     /// [`Bvh`](super::bvh::Bvh) over [`SpatialSplit`].
     SpatialSplit(SpatialSplit),
+    /// [`WideBvh`](super::bvh::WideBvh) with nodes of 8 children.
+    Wide8(WideSah<8>),
+    /// [`WideBvh`](super::bvh::WideBvh) with nodes of 16 children.
+    Wide16(WideSah<16>),
 }
 
 /// What a name without a method means.

@@ -60,6 +60,14 @@ pub enum BuildError {
         /// Bytes allowed.
         allowed: usize,
     },
+    /// More primitives than the structure can number.
+    #[error("the structure can hold about {most} primitives, but there are {primitives}")]
+    TooMany {
+        /// How many there are, each counted as often as it is named.
+        primitives: usize,
+        /// How many there may be.
+        most: usize,
+    },
 }
 
 /// The builder's side of [`Limits`].

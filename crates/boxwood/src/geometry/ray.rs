@@ -2,6 +2,7 @@
 
 use super::{Aabb, Vec3};
 use crate::math;
+use crate::simd::{F, Floats, Lanes, Portable};
 use core::ops::Deref;
 
 /// A half line with a closed interval `[t_min, t_max]`; 32 bytes. The direction may have any length; `t` counts in it.
@@ -70,6 +71,9 @@ const U: f32 = 1.0 / (1 << 24) as f32;
 const TINY_SCENE: f32 = 1.0 / (1_u64 << 20) as f32;
 const HUGE: f32 = (1_u64 << 28) as f32;
 
+/// The axis after each, in a circle.
+const AFTER: [usize; 3] = [1, 2, 0];
+
 /// A ray with all that box and triangle tests need. Read the ray's own fields through it; `t_min` and `t_max` are
 /// already in order there.
 ///
@@ -100,57 +104,147 @@ pub struct PreparedRay {
 }
 
 impl PreparedRay {
+    /// What a tame ray's coordinates are added up to less than, and what its longest one is above.
+    pub(crate) const DOORS: [f32; 2] = [HUGE.recip(), HUGE];
+    /// Whether rays can be tame in a scene whose largest |coordinate| is `scale`.
+    #[inline(always)]
+    pub(crate) fn is_tame_scene(scale: f32) -> bool {
+        (TINY_SCENE < scale) & (scale < HUGE)
+    }
+    /// How many units of the largest |coordinates| of scene and origin the slack is.
+    pub(crate) const SLACK: f32 = 32.0 * U;
+    /// To how many units of the longest coordinate of a direction the others are raised.
+    pub(crate) const FLOOR: f32 = U;
+
+    /// No ray: what a place holds before there is one.
+    pub(crate) const IDLE: Self = Self {
+        ray: Ray {
+            origin: Vec3::ZERO,
+            t_min: 0.0,
+            direction: Vec3::ZERO,
+            t_max: 0.0,
+        },
+        inverse: Vec3::ZERO,
+        near: Vec3::ZERO,
+        far: Vec3::ZERO,
+        axes: [0, 1, 2],
+        shear: [0.0; 3],
+        slack: 0.0,
+        scaled: None,
+    };
+
     /// Makes a ray ready for a scene whose largest |coordinate| is `scale`; `None` when it can hit nothing.
     #[inline]
     pub fn new(ray: &Ray, scale: f32) -> Option<Self> {
+        match Self::tame(Portable, ray, scale) {
+            None => Self::wild(ray, scale),
+            tame => tame,
+        }
+    }
+
+    /// The same for a ray inside the doors; `None` for any other. Without a branch but that one.
+    #[inline(always)]
+    pub(crate) fn tame<S: Lanes<4>>(s: S, ray: &Ray, scale: f32) -> Option<Self> {
         let (o, d) = (ray.origin, ray.direction);
-        // Not `max` and `min`, which would lose a NaN.
+        // A comparison that fails for NaN, not `max`, which would lose it.
         let t_min = if ray.t_min < 0.0 { 0.0 } else { ray.t_min };
         let t_max = ray.end();
-        let size = d.abs();
-        let kz = size.max_axis();
-        let largest = size[kz];
-        if !(t_min <= t_max && o.is_finite() && d.is_finite() && largest > 0.0) {
+        let (size, distance) = (d.abs(), o.abs());
+        let larger = |a: f32, b: f32| if a > b { a } else { b };
+        let largest = larger(larger(size.x, size.y), size.z);
+        // Sums, because they keep NaN and infinity.
+        let inside = (t_min <= t_max)
+            & (distance.x + distance.y + distance.z < HUGE)
+            & (size.x + size.y + size.z < HUGE)
+            & (HUGE.recip() < largest)
+            & Self::is_tame_scene(scale);
+        if !inside {
             return None;
         }
-        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
-        let reach = o.abs().max_element();
-        let tame = reach < HUGE
-            && (TINY_SCENE < scale && scale < HUGE)
-            && (HUGE.recip() < largest && largest < HUGE);
-        let slack = 32.0 * f64::from(U) * (f64::from(scale) + f64::from(reach));
-        let (scaled, d) = if tame {
-            (None, d)
+        let reach = larger(larger(distance.x, distance.y), distance.z);
+        // The lowest axis wins a tie.
+        let (x, y) = (size.x == largest, size.y == largest);
+        let kz = if x { 0 } else { 2 - usize::from(y) };
+        let (dx, dy, dz) = if x {
+            (d.y, d.z, d.x)
+        } else if y {
+            (d.z, d.x, d.y)
         } else {
-            let power = math::power_to_one(largest);
-            (Some(power), d * power)
+            (d.x, d.y, d.z)
         };
-        let floor = U * d[kz].abs();
-        let raise = |x: f32| {
-            if x.abs() < floor {
-                // Not the sign's bit: `crossing` counts a zero of either sign as going up.
-                if x < 0.0 { -floor } else { floor }
-            } else {
-                x
-            }
-        };
-        let inverse = Vec3::new(1.0 / raise(d.x), 1.0 / raise(d.y), 1.0 / raise(d.z));
-        let pad = inverse.abs() * (slack as f32);
-        let at = o * inverse;
-        Some(Self {
+        let shear = F::<S, 4>::load(s, &[dx, dy, 1.0, 1.0]) / F::<S, 4>::splat(s, dz);
+        let [sx, sy, iz, _] = shear.to_array();
+        let slack = Self::SLACK * (scale + reach);
+        let ready = Self {
             ray: Ray {
                 t_min,
                 t_max,
                 ..*ray
             },
-            inverse,
-            near: at + pad,
-            far: at - pad,
+            inverse: Vec3::ZERO,
+            near: Vec3::ZERO,
+            far: Vec3::ZERO,
+            axes: [AFTER[kz], AFTER[AFTER[kz]], kz],
+            shear: [sx, sy, iz],
+            slack: f64::from(slack),
+            scaled: None,
+        };
+        Some(ready.facing(s, d, Self::FLOOR * largest, slack))
+    }
+
+    /// For any other ray.
+    #[cold]
+    fn wild(ray: &Ray, scale: f32) -> Option<Self> {
+        let (o, d) = (ray.origin, ray.direction);
+        let t_min = if ray.t_min < 0.0 { 0.0 } else { ray.t_min };
+        let t_max = ray.end();
+        let kz = d.abs().max_axis();
+        let largest = d.abs()[kz];
+        if !(t_min <= t_max && o.is_finite() && d.is_finite() && largest > 0.0) {
+            return None;
+        }
+        let (kx, ky) = (AFTER[kz], AFTER[AFTER[kz]]);
+        let reach = o.abs().max_element();
+        let slack = 32.0 * f64::from(U) * (f64::from(scale) + f64::from(reach));
+        let power = math::power_to_one(largest);
+        let d = d * power;
+        let ready = Self {
+            ray: Ray {
+                t_min,
+                t_max,
+                ..*ray
+            },
+            inverse: Vec3::ZERO,
+            near: Vec3::ZERO,
+            far: Vec3::ZERO,
             axes: [kx, ky, kz],
             shear: [d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]],
             slack,
-            scaled,
-        })
+            scaled: Some(power),
+        };
+        Some(ready.facing(Portable, d, U * d[kz].abs(), slack as f32))
+    }
+
+    /// With what slab tests need of a direction whose coordinates are raised to `floor` at least.
+    #[inline(always)]
+    fn facing<S: Lanes<4>>(self, s: S, d: Vec3, floor: f32, slack: f32) -> Self {
+        let raise = |x: f32| {
+            // Not the sign's bit: `crossing` counts a zero of either sign as going up.
+            let least = if x < 0.0 { -floor } else { floor };
+            if x.abs() < floor { least } else { x }
+        };
+        let along = F::<S, 4>::load(s, &[raise(d.x), raise(d.y), raise(d.z), 1.0]);
+        let inverse = F::<S, 4>::splat(s, 1.0) / along;
+        let pad = inverse.max(F::<S, 4>::splat(s, 0.0) - inverse) * F::<S, 4>::splat(s, slack);
+        let o = self.ray.origin;
+        let at = F::<S, 4>::load(s, &[o.x, o.y, o.z, 0.0]) * inverse;
+        let first = |[x, y, z, _]: [f32; 4]| Vec3::new(x, y, z);
+        Self {
+            inverse: first(inverse.to_array()),
+            near: first((at + pad).to_array()),
+            far: first((at - pad).to_array()),
+            ..self
+        }
     }
 
     /// Whether the proof of the slack holds for this ray and scene without further checks.

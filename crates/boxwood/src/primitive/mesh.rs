@@ -233,6 +233,7 @@ impl Primitives for TriangleMesh {
         }
     }
     const WITHIN_SLACK: bool = true;
+    const TRIANGLES: bool = true;
 }
 
 impl Surfaces for TriangleMesh {

@@ -65,6 +65,9 @@ pub trait Primitives {
     /// Whether every hit that [`Primitives::offer`] makes is *proven* to lie in the primitive's box padded by the slack
     /// (see [`PreparedRay`]). Where it is not, [`offer`] asks for each hit and drops those outside.
     const WITHIN_SLACK: bool = false;
+    /// Whether every primitive is the triangle that [`Primitives::corners`] gives, met by the canonical test: what wide
+    /// structures may then do lane by lane. [`TriangleMesh`] is such a set.
+    const TRIANGLES: bool = false;
 }
 
 /// Primitives that can say what their surface is like where a ray met it.
@@ -196,6 +199,7 @@ macro_rules! forward {
                 (**self).offer(i, ray, query, counters)
             }
             const WITHIN_SLACK: bool = P::WITHIN_SLACK;
+            const TRIANGLES: bool = P::TRIANGLES;
         }
         impl<P: Surfaces + ?Sized> Surfaces for $owner {
             fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {

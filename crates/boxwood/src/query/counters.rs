@@ -13,6 +13,9 @@ pub trait Counters {
     /// Primitives were tested.
     #[inline(always)]
     fn primitives(&mut self, _count: usize) {}
+    /// Whether anything is counted at all: structures with several loops take the same one on every machine for those who
+    /// count.
+    const COUNTS: bool = true;
     /// Whether [`Counters::step`] wants to hear: structures ask this before they put a step into words.
     const EXPLAINS: bool = false;
     /// What exactly happened, for those who explain a ray. Beside the counts, not instead of them.
@@ -129,7 +132,9 @@ impl Step {
     }
 }
 
-impl Counters for () {}
+impl Counters for () {
+    const COUNTS: bool = false;
+}
 
 /// How many steps were taken. Adds up over as many rays as it is shown to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -86,8 +86,8 @@ pub trait Intersect: Send + Sync {
     }
 }
 
-/// Rays per chunk of a batch: the queries stay in the first-level cache.
-const CHUNK: usize = 64;
+/// Rays per chunk of a batch: enough to keep many in flight nearly all of the time, few enough for the second-level cache.
+const CHUNK: usize = 1024;
 
 impl<T: Traverse + Send + Sync> Intersect for T {
     fn bounds(&self) -> Aabb {
@@ -112,35 +112,40 @@ impl<T: Traverse + Send + Sync> Intersect for T {
         ask(self, ray, Occluded::new(ray), &mut ()).found()
     }
     fn all_hits(&self, ray: &Ray) -> Vec<Hit> {
-        ask(self, ray, AllHits::new(ray), &mut ()).sorted()
+        show::<true, _>(self, ray, AllHits::new(ray), &mut ()).sorted()
     }
     fn first_hits(&self, ray: &Ray, k: usize) -> Vec<Hit> {
-        ask(self, ray, FirstHits::new(ray, k), &mut ()).sorted()
+        show::<true, _>(self, ray, FirstHits::new(ray, k), &mut ()).sorted()
     }
     fn closest_hit_counted(&self, ray: &Ray, stats: &mut TraversalStats) -> Option<Hit> {
-        ask(self, ray, Closest::new(ray), stats).hit()
+        show::<true, _>(self, ray, Closest::new(ray), stats).hit()
     }
     fn occluded_counted(&self, ray: &Ray, stats: &mut TraversalStats) -> bool {
-        ask(self, ray, Occluded::new(ray), stats).found()
+        show::<false, _>(self, ray, Occluded::new(ray), stats).found()
     }
     fn all_hits_counted(&self, ray: &Ray, stats: &mut TraversalStats) -> Vec<Hit> {
-        ask(self, ray, AllHits::new(ray), stats).sorted()
+        show::<true, _>(self, ray, AllHits::new(ray), stats).sorted()
     }
     fn closest_hit_seen(&self, ray: &Ray, mask: u32, time: f32) -> Option<Hit> {
         let inner = Closest::new(ray);
-        ask(self, ray, Seen { inner, mask, time }, &mut ())
+        show::<true, _>(self, ray, Seen { inner, mask, time }, &mut ())
             .inner
             .hit()
     }
     fn occluded_seen(&self, ray: &Ray, mask: u32, time: f32) -> bool {
         let inner = Occluded::new(ray);
-        ask(self, ray, Seen { inner, mask, time }, &mut ())
+        show::<true, _>(self, ray, Seen { inner, mask, time }, &mut ())
             .inner
             .found()
     }
     fn visit(&self, ray: &Ray, visit: &mut dyn FnMut(Hit) -> ControlFlow<(), f32>) {
-        let t_max = ray.end();
-        ask(self, ray, Visit { t_max, visit }, &mut ());
+        let mut query = Visit::<true> {
+            t_max: ray.end(),
+            mask: u32::MAX,
+            time: 0.0,
+            visit,
+        };
+        self.traverse(ray, &mut query, &mut ());
     }
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len(), "one hit per ray");
@@ -163,6 +168,24 @@ fn ask<Q: Query>(
     counters: &mut impl super::Counters,
 ) -> Q {
     structure.traverse(ray, &mut query, counters);
+    query
+}
+
+/// The same through [`Visit`], with `ORDERED` as its hint: one loop is compiled for all the questions that are asked less
+/// often than those for which a call at each hit would be dear.
+fn show<const ORDERED: bool, Q: Query>(
+    structure: &impl Traverse,
+    ray: &Ray,
+    mut query: Q,
+    counters: &mut impl super::Counters,
+) -> Q {
+    let mut visit = Visit::<ORDERED> {
+        t_max: query.t_max(),
+        mask: query.mask(),
+        time: query.time(),
+        visit: &mut |hit| query.offer(hit).map_continue(|()| query.t_max()),
+    };
+    structure.traverse(ray, &mut visit, counters);
     query
 }
 
@@ -195,7 +218,6 @@ fn each_chunk<A: Send>(
     #[cfg(feature = "parallel")]
     rays.par_chunks(CHUNK)
         .zip(answers.par_chunks_mut(CHUNK))
-        .with_min_len(4)
         .for_each(|(rays, answers)| work(rays, answers));
     #[cfg(not(feature = "parallel"))]
     rays.chunks(CHUNK)
@@ -204,14 +226,23 @@ fn each_chunk<A: Send>(
 }
 
 /// A query whose mind is a closure.
-struct Visit<'a> {
+struct Visit<'a, const ORDERED: bool> {
     t_max: f32,
+    mask: u32,
+    time: f32,
     visit: &'a mut dyn FnMut(Hit) -> ControlFlow<(), f32>,
 }
 
-impl Query for Visit<'_> {
+impl<const ORDERED: bool> Query for Visit<'_, ORDERED> {
+    const ORDERED: bool = ORDERED;
     fn t_max(&self) -> f32 {
         self.t_max
+    }
+    fn mask(&self) -> u32 {
+        self.mask
+    }
+    fn time(&self) -> f32 {
+        self.time
     }
     fn offer(&mut self, hit: Hit) -> ControlFlow<()> {
         // `min`: the interval never grows, whatever the closure says.

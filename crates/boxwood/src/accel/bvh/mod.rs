@@ -14,10 +14,12 @@ mod binary;
 mod build;
 pub mod refine;
 mod tree;
+mod wide;
 
 pub use {
     binary::Bvh,
     build::{BinnedSah, EqualCounts, Lbvh, Median, Middle, Ploc, SpatialSplit, SweepSah},
     refine::Refine,
     tree::{BinaryNode, BinaryTree, MAX_DEPTH, MAX_LEAF},
+    wide::{WideBvh, WideSah},
 };

@@ -1,5 +1,6 @@
 //! Two ray-triangle tests: the canonical watertight one, and Möller–Trumbore for comparison.
 
+pub(crate) mod block;
 pub mod moller_trumbore;
 pub mod overlap;
 pub mod watertight;

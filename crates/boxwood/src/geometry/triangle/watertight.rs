@@ -16,7 +16,7 @@ use crate::geometry::{PreparedRay, Vec3};
 use crate::math::power_to_one;
 
 /// Below this |determinant| products may have left the normal floats, and the weights with them (2⁻⁸⁰).
-const TINY: f32 = 8.271_806e-25;
+pub(super) const TINY: f32 = 8.271_806e-25;
 
 /// Meets a triangle within `[ray.t_min, t_max]`, edges included, from both sides; `None` for a miss.
 ///

@@ -1,0 +1,105 @@
+//! Builders of wide trees by name.
+
+use super::WideBvh;
+use crate::accel::bvh::{BinnedSah, Refine};
+use crate::accel::limits::{Limits, Site, unlimited};
+use crate::accel::settings::{Setting, Settings, Value};
+use crate::accel::{Axes, BuildError};
+use crate::primitive::Primitives;
+use crate::query::Intersect;
+use crate::simd::{Isa, Level, Vectorize};
+use alloc::boxed::Box;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+/// A wide tree of `N` children (8 or 16) from the binned surface-area heuristic, collapsed at the least expected cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WideSah<const N: usize> {
+    /// Bins per axis, 2 to 64.
+    pub bins: usize,
+    /// The axes that may be divided.
+    pub axes: Axes,
+    /// What is done to the binary tree before it is collapsed.
+    pub refine: Refine,
+    /// What the tree is walked with.
+    pub isa: Isa,
+}
+
+impl<const N: usize> Default for WideSah<N> {
+    fn default() -> Self {
+        Self {
+            bins: 16,
+            axes: Axes::XYZ,
+            refine: Refine::NONE,
+            isa: Isa::best(),
+        }
+    }
+}
+
+impl<const N: usize> WideSah<N>
+where
+    Level: Vectorize<N>,
+{
+    /// Builds the structure; it cannot fail.
+    pub fn build<P: Primitives + Sync>(&self, primitives: P) -> WideBvh<P, N> {
+        unlimited(self.build_within(primitives, &Limits::NONE))
+    }
+
+    /// Builds the structure within limits.
+    ///
+    /// # Errors
+    /// When the limits end the build.
+    pub fn build_within<P: Primitives + Sync>(
+        &self,
+        primitives: P,
+        limits: &Limits<'_>,
+    ) -> Result<WideBvh<P, N>, BuildError> {
+        let binned = BinnedSah {
+            bins: self.bins,
+            max_leaf: 4,
+            axes: self.axes,
+            refine: self.refine,
+        };
+        let tree = binned.build_within(&primitives, limits)?;
+        let bvh = WideBvh::within(primitives, &tree, &Site::new(limits, 1))?;
+        Ok(bvh.with_isa(self.isa))
+    }
+}
+
+impl Value for &mut Isa {
+    fn read(&mut self, text: &str) -> bool {
+        text.parse().map(|isa| **self = isa).is_ok()
+    }
+    fn write(&self) -> String {
+        self.to_string()
+    }
+    fn expected(&self) -> String {
+        // The same text on every machine, so that documentation is too.
+        "portable|avx2|avx512".into()
+    }
+}
+
+macro_rules! named {
+    ($($n:literal: $name:literal),*) => {$(
+        impl Settings for WideSah<$n> {
+            const NAME: &'static str = $name;
+            fn settings(&mut self) -> Vec<Setting<'_>> {
+                let mut all = Vec::from([
+                    Setting::count("bins", &mut self.bins, 2..=64),
+                    Setting::axes(&mut self.axes),
+                    Setting::new("isa", &mut self.isa),
+                ]);
+                all.extend(self.refine.settings());
+                all
+            }
+            fn structure<'a, P: Primitives + Send + Sync + 'a>(
+                &self,
+                primitives: P,
+                limits: &Limits<'_>,
+            ) -> Result<Box<dyn Intersect + 'a>, BuildError> {
+                Ok(Box::new(self.build_within(primitives, limits)?))
+            }
+        }
+    )*};
+}
+named!(8: "wide8", 16: "wide16");

@@ -1,0 +1,125 @@
+//! What lies in the leaves: triangles lane by lane, or the numbers of anything else.
+
+use crate::geometry::triangle::block::{BlockRay, LANES, Stop, TriangleBlock};
+use crate::primitive::{self, Primitives};
+use crate::query::{Counters, Query};
+use crate::simd::{Lanes, pages, prefetch};
+use alloc::vec::Vec;
+use core::ops::ControlFlow::{self, Break, Continue};
+use core::ops::Range;
+
+/// No primitive in this place.
+const NONE: u32 = u32::MAX;
+
+/// The blocks of all leaves. One of the lists is empty: which, is decided by [`Primitives::TRIANGLES`].
+#[derive(Clone, Debug, Default)]
+pub struct Leaves {
+    triangles: Vec<TriangleBlock>,
+    ids: Vec<[u32; LANES]>,
+}
+
+impl Leaves {
+    /// How many primitives a block holds.
+    pub const LANES: usize = LANES;
+
+    /// With room for so many blocks.
+    pub fn with_capacity<P: Primitives>(blocks: usize) -> Self {
+        let (triangles, ids) = if P::TRIANGLES {
+            (blocks, 0)
+        } else {
+            (0, blocks)
+        };
+        Self {
+            triangles: pages::with_capacity(triangles),
+            ids: pages::with_capacity(ids),
+        }
+    }
+
+    /// Appends a leaf and says which blocks it got. The numbers must ascend.
+    pub fn push<P: Primitives>(&mut self, primitives: &P, ids: &[u32]) -> Range<usize> {
+        let first = self.len();
+        for ids in ids.chunks(LANES) {
+            if P::TRIANGLES {
+                let corners = |i| primitives.corners(i).expect("a triangle");
+                self.triangles.push(TriangleBlock::new(ids, corners));
+            } else {
+                let mut block = [NONE; LANES];
+                block[..ids.len()].copy_from_slice(ids);
+                self.ids.push(block);
+            }
+        }
+        first..self.len()
+    }
+
+    /// How many blocks.
+    pub fn len(&self) -> usize {
+        self.triangles.len() + self.ids.len()
+    }
+
+    /// The bytes of one block.
+    pub fn block_bytes<P: Primitives>() -> usize {
+        if P::TRIANGLES {
+            size_of::<TriangleBlock>()
+        } else {
+            size_of::<[u32; LANES]>()
+        }
+    }
+
+    /// The triangles in some blocks; none where the primitives are something else.
+    #[inline(always)]
+    pub fn triangles(&self, blocks: Range<usize>) -> &[TriangleBlock] {
+        self.triangles.get(blocks).unwrap_or(&[])
+    }
+
+    /// Begins to load a block.
+    #[inline(always)]
+    pub fn fetch(&self, block: usize) {
+        if let Some(triangles) = self.triangles.get(block) {
+            prefetch(triangles, 3);
+        }
+    }
+
+    /// The primitives in some blocks.
+    pub fn ids(&self, blocks: Range<usize>) -> impl Iterator<Item = u32> {
+        blocks
+            .flat_map(|block| match self.triangles.get(block) {
+                Some(triangles) => triangles.ids().iter(),
+                None => self.ids[block].iter(),
+            })
+            .copied()
+            .filter(|&id| id != NONE)
+    }
+
+    /// Shows the primitives in some blocks to the query.
+    #[inline(always)]
+    pub fn offer<S: Lanes<LANES>, P: Primitives, Q: Query, C: Counters>(
+        &self,
+        blocks: Range<usize>,
+        primitives: &P,
+        lanes: &BlockRay<'_, S>,
+        query: &mut Q,
+        counters: &mut C,
+    ) -> ControlFlow<Stop> {
+        if P::TRIANGLES {
+            let mask = query.mask();
+            for block in &self.triangles[blocks] {
+                counters.primitives(block.count());
+                block.offer(lanes, query, |id| primitives.mask(id as usize) & mask != 0)?;
+            }
+        } else {
+            for block in &self.ids[blocks] {
+                for &id in block {
+                    if id == NONE {
+                        break;
+                    }
+                    if primitive::offer(primitives, id as usize, lanes.ray, query, counters)
+                        .is_break()
+                    {
+                        return Break(Stop::Enough);
+                    }
+                }
+            }
+        }
+        Continue(())
+    }
+}

@@ -1,0 +1,266 @@
+//! Nodes with 8 or 16 children, all met at once.
+//!
+//! *How it works.* `collapse` makes `N` children of two, at the least expected cost; `node` holds eight rows of `N` words and
+//! meets its boxes in lanes; `leaf` holds triangles lane by lane, or numbers of anything else; `traverse` is the one loop,
+//! compiled for every instruction set, and `scalar` the same box by box.
+//!
+//! *Cost.* About 15 bytes of nodes and 45 of leaves for each triangle of a mesh; 16 and 6 for each of other primitives.
+//!
+//! *Source.* Dammertz, Hanika & Keller 2008; Wald, Benthin & Boulos 2008; Ernst & Greiner 2008; Ylitie, Karras & Laine 2017
+//! (octant order, collapse).
+
+mod batch;
+mod build;
+mod collapse;
+mod leaf;
+mod node;
+mod packet;
+mod plan;
+mod scalar;
+mod traverse;
+
+pub use build::WideSah;
+
+use crate::accel::limits::{Limits, Site, unlimited};
+use crate::accel::{BuildError, bvh::tree::BinaryTree};
+use crate::geometry::triangle::block::Stop;
+use crate::geometry::{Aabb, PreparedRay, Ray};
+use crate::inspect::{Cell, Statistics};
+use crate::primitive::{self, Primitives};
+use crate::query::{Counters, Query, Traverse};
+use crate::simd::{Isa, Level, Portable, Vectorize};
+use alloc::vec;
+use alloc::vec::Vec;
+use core::mem;
+use core::ops::ControlFlow::Break;
+use leaf::Leaves;
+use node::{Child, Node};
+use packet::Outcome;
+
+/// A hierarchy of nodes with `N` children (8 or 16) over owned, borrowed or shared primitives.
+///
+/// It runs on the best instruction set of the machine, or the one named by the environment variable `BOXWOOD_ISA`; nodes
+/// and answers do not depend on it.
+#[derive(Clone, Debug)]
+pub struct WideBvh<P, const N: usize> {
+    primitives: P,
+    bounds: Aabb,
+    /// The largest |coordinate| of the bounds.
+    scale: f32,
+    root: Child,
+    nodes: Vec<Node<N>>,
+    leaves: Leaves,
+    /// Whether some primitives lie in several leaves, each of which holds a part of them.
+    cut: bool,
+    isa: Isa,
+    /// How many nodes lie above the deepest leaf.
+    depth: usize,
+}
+
+/// Most primitives that are brought together into one leaf, unless the binary tree has larger ones.
+const MAX_LEAF: usize = 2 * Leaves::LANES;
+
+impl<P: Primitives, const N: usize> WideBvh<P, N>
+where
+    Level: Vectorize<N>,
+{
+    /// Lays a tree out that a builder of this crate made for these primitives.
+    ///
+    /// # Panics
+    /// When the tree is for fewer or more primitives, or for more than half a billion.
+    pub fn new(primitives: P, tree: &BinaryTree) -> Self {
+        unlimited(Self::within(primitives, tree, &Site::new(&Limits::NONE, 1)))
+    }
+
+    fn within(primitives: P, tree: &BinaryTree, site: &Site<'_>) -> Result<Self, BuildError> {
+        let most = tree.order.iter().max().map_or(0, |&id| id as usize + 1);
+        let fits = most == primitives.len() && tree.nodes.is_empty() == tree.order.is_empty();
+        assert!(fits || site.is_over(), "a tree for other primitives");
+        let (root, nodes, leaves, depth) = collapse::collapse(&primitives, tree, MAX_LEAF, site)?;
+        let bounds = tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds);
+        site.finish(Self {
+            cut: tree.order.len() > primitives.len(),
+            bounds,
+            scale: bounds.scale(),
+            primitives,
+            root,
+            nodes,
+            leaves,
+            isa: Isa::best(),
+            depth,
+        })
+    }
+
+    /// The same tree, walked with a chosen instruction set.
+    #[must_use]
+    pub fn with_isa(self, isa: Isa) -> Self {
+        Self { isa, ..self }
+    }
+
+    /// The primitives.
+    pub fn primitives(&self) -> &P {
+        &self.primitives
+    }
+}
+
+impl<P: Primitives, const N: usize> WideBvh<P, N> {
+    /// One box after the other, for any ray.
+    fn plainly<Q: Query, C: Counters>(&self, ray: &PreparedRay, query: &mut Q, counters: &mut C) {
+        // Where primitives are cut, a leaf's box holds a part of each, but a ray outside the doors may hit it anywhere in
+        // its own box.
+        if self.cut && !ray.is_tame() {
+            primitive::offer_all(&self.primitives, ray, query, counters);
+        } else {
+            scalar::walk(self, ray, query, counters);
+        }
+    }
+}
+
+impl<P: Primitives, const N: usize> WideBvh<P, N>
+where
+    Level: Vectorize<N>,
+{
+    /// Runs of rays that run together as packets, all others as one batch each.
+    fn many<Q: Query>(&self, mut rays: &[Ray], mut queries: &mut [Q]) {
+        let level = self.isa.level();
+        let mut packet = packet::Packet::for_depth::<N>(self.depth);
+        let mut apart = 0;
+        let mut wait = 0;
+        while P::TRIANGLES && rays.len() - apart >= FEW {
+            let end = rays.len().min(apart + packet::RAYS);
+            if wait > 0 {
+                (wait, apart) = (wait - 1, end);
+                continue;
+            }
+            let outcome = level.vectorize(packet::Together {
+                bvh: self,
+                packet: &mut packet,
+                rays: &rays[apart..end],
+                queries: &mut queries[apart..end],
+            });
+            match outcome {
+                Outcome::Together => {}
+                Outcome::Apart | Outcome::Loose => {
+                    if outcome == Outcome::Loose {
+                        packet.take_uncovered();
+                        wait = WAIT;
+                    }
+                    apart = end;
+                    continue;
+                }
+            }
+            let (before, rest) = mem::take(&mut queries).split_at_mut(apart);
+            self.apart(&rays[..apart], before);
+            let (together, rest) = rest.split_at_mut(end - apart);
+            for i in packet.take_uncovered() {
+                if let Some(ray) = PreparedRay::new(&rays[apart + i], self.scale) {
+                    self.plainly(&ray, &mut together[i], &mut ());
+                }
+            }
+            (rays, queries, apart) = (&rays[end..], rest, 0);
+        }
+        self.apart(rays, queries);
+    }
+
+    fn apart<Q: Query>(&self, rays: &[Ray], queries: &mut [Q]) {
+        if !rays.is_empty() {
+            self.isa.level().vectorize(batch::Batch {
+                bvh: self,
+                rays,
+                queries,
+            });
+        }
+    }
+}
+
+/// How many packets run apart after a loose one.
+const WAIT: usize = 7;
+/// Fewer rays than this are not worth a batch.
+const FEW: usize = 16;
+
+impl<P: Primitives, const N: usize> Traverse for WideBvh<P, N>
+where
+    Level: Vectorize<N>,
+{
+    fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    fn statistics(&self) -> Statistics {
+        let blocks = self.leaves.len() * Leaves::block_bytes::<P>();
+        Statistics {
+            bytes: size_of_val(&*self.nodes) + blocks,
+            ..Statistics::of_cells(self.primitives.len(), self.bounds, |show| self.cells(show))
+        }
+    }
+
+    fn cells(&self, show: &mut dyn FnMut(&Cell<'_>)) {
+        if self.root == Child::NOTHING {
+            return;
+        }
+        let mut open = vec![(0, 0, self.bounds, self.root)];
+        while let Some((node, depth, bounds, child)) = open.pop() {
+            let leaf = child.is_leaf();
+            let primitives = leaf.then(|| self.leaves.ids(child.blocks()).count() as u32);
+            show(&Cell {
+                node,
+                depth,
+                bounds,
+                primitives,
+                sides: &[],
+            });
+            if !leaf {
+                let from = open.len();
+                let slots = self.nodes[child.index()].slots();
+                open.extend(slots.map(|(lane, bounds, below)| {
+                    (Self::number(child, lane), depth + 1, bounds, below)
+                }));
+                open[from..].reverse();
+            }
+        }
+    }
+
+    #[inline]
+    fn traverse<Q: Query, C: Counters>(&self, ray: &Ray, query: &mut Q, counters: &mut C) {
+        if self.root == Child::NOTHING {
+            return;
+        }
+        // Of the two loops only one is compiled for a kind of counters.
+        if !C::EXPLAINS {
+            let one = traverse::One {
+                bvh: self,
+                ray,
+                query,
+                counters,
+            };
+            // Boxes are rounded a little differently where operations are fused: counts are the same on every machine.
+            let walked = if C::COUNTS {
+                Portable.vectorize(one)
+            } else {
+                self.isa.level().vectorize(one)
+            };
+            if !matches!(walked, Break(Stop::Uncovered)) {
+                return;
+            }
+        }
+        if let Some(ray) = PreparedRay::new(ray, self.scale) {
+            self.plainly(&ray, query, counters);
+        }
+    }
+
+    fn traverse_each<Q: Query, C: Counters>(
+        &self,
+        rays: &[Ray],
+        queries: &mut [Q],
+        counters: &mut C,
+    ) {
+        assert_eq!(rays.len(), queries.len(), "one query per ray");
+        if C::COUNTS || rays.len() < FEW {
+            for (ray, query) in rays.iter().zip(queries) {
+                self.traverse(ray, query, counters);
+            }
+        } else if self.root != Child::NOTHING {
+            self.many(rays, queries);
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! A wide node: eight rows of `N` words, whatever `N` is.
+
+use crate::geometry::{Aabb, PreparedRay, Vec3};
+use crate::simd::{F, Floats, Lanes};
+
+/// A reference to a node or to a run of leaf blocks.
+///
+/// ```text
+/// 31      30 ............ 4   3 .... 0
+/// 0       node
+/// 1       first block         blocks - 1
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(transparent)]
+pub struct Child(pub u32);
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+    /// More blocks than this cannot be numbered; there are always fewer nodes.
+    pub const MOST_BLOCKS: usize = (1 << 27) - 1;
+    /// What an unused slot holds, and the root of a tree without primitives: the block after the last possible one.
+    pub const NOTHING: Self = Self(Self::LEAF | (Self::MOST_BLOCKS as u32) << 4);
+
+    pub fn node(index: usize) -> Self {
+        Self(index as u32)
+    }
+    /// One to sixteen blocks.
+    pub fn leaf(first: usize, blocks: usize) -> Self {
+        Self(Self::LEAF | (first << 4 | (blocks - 1)) as u32)
+    }
+    #[inline(always)]
+    pub fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+    #[inline(always)]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+    #[inline(always)]
+    pub fn blocks(self) -> core::ops::Range<usize> {
+        let first = (self.0 & !Self::LEAF) as usize >> 4;
+        first..first + (self.0 & 15) as usize + 1
+    }
+}
+
+/// Boxes, children and their order: 256 bytes for 8 children, 512 for 16.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Node<const N: usize> {
+    /// Lower x, upper x, lower y, upper y, lower z, upper z.
+    planes: [[f32; N]; 6],
+    children: [u32; N],
+    /// Eight lists of `N` nibbles, one per octant: the children from far to near.
+    order: [u32; N],
+}
+
+impl<const N: usize> Node<N> {
+    /// A node of at most `N` children. Unused slots hold a box that no ray enters.
+    pub fn new(children: &[(Aabb, Child)]) -> Self {
+        let mut node = Self {
+            planes: [[0.0; N]; 6],
+            children: [Child::NOTHING.0; N],
+            order: [0; N],
+        };
+        for lane in 0..N {
+            let (bounds, child) = children
+                .get(lane)
+                .copied()
+                .unwrap_or((Aabb::EMPTY, Child::NOTHING));
+            node.children[lane] = child.0;
+            for axis in 0..3 {
+                node.planes[2 * axis][lane] = bounds.lower[axis];
+                node.planes[2 * axis + 1][lane] = bounds.upper[axis];
+            }
+        }
+        for octant in 0..8 {
+            node.set_order(octant, children);
+        }
+        node
+    }
+
+    fn set_order(&mut self, octant: usize, children: &[(Aabb, Child)]) {
+        let mut keys = [f32::INFINITY; N];
+        for (key, (bounds, _)) in keys.iter_mut().zip(children) {
+            *key = (0..3).fold(0.0, |sum, axis| {
+                let middle = bounds.lower[axis] + bounds.upper[axis];
+                if octant >> axis & 1 == 1 {
+                    sum - middle
+                } else {
+                    sum + middle
+                }
+            });
+        }
+        let mut lanes: [usize; N] = core::array::from_fn(|lane| lane);
+        lanes.sort_by(|&a, &b| keys[b].total_cmp(&keys[a]));
+        for (place, lane) in lanes.into_iter().enumerate() {
+            let nibble = octant * N + place;
+            self.order[nibble / 8] |= (lane as u32) << (4 * (nibble % 8));
+        }
+    }
+
+    /// The children from far to near for one octant, a nibble each, from bit 0 up.
+    #[inline(always)]
+    pub fn order(&self, octant: usize) -> u64 {
+        // The masks say to the compiler what the types cannot: `octant * N` is inside.
+        match N {
+            4 => u64::from(self.order[(octant >> 1) & (N - 1)] >> (16 * (octant & 1))),
+            8 => u64::from(self.order[octant & (N - 1)]),
+            _ => {
+                let at = (2 * octant) & (N - 2);
+                u64::from(self.order[at]) | u64::from(self.order[at | 1]) << 32
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub fn child(&self, lane: usize) -> Child {
+        Child(self.children[lane & (N - 1)])
+    }
+
+    #[inline(always)]
+    pub fn children(&self) -> &[u32; N] {
+        &self.children
+    }
+
+    /// The children that are there: lane, box and child.
+    pub fn slots(&self) -> impl Iterator<Item = (usize, Aabb, Child)> {
+        let used = |&lane: &usize| self.children[lane] != Child::NOTHING.0;
+        (0..N)
+            .filter(used)
+            .map(|lane| (lane, self.bounds(lane), self.child(lane)))
+    }
+
+    pub fn bounds(&self, lane: usize) -> Aabb {
+        let side = |k: usize| Vec3::from([0, 2, 4].map(|axis| self.planes[axis + k][lane]));
+        Aabb::new(side(0), side(1))
+    }
+
+    /// Where the ray enters and leaves each child within its interval, both erring to the outside by the slack; a child is
+    /// entered where `entry <= exit`. As [`PreparedRay::slabs`], with fewer roundings where the level can fuse.
+    #[inline(always)]
+    pub fn slabs<S: Lanes<N>>(
+        &self,
+        s: S,
+        ray: &WideRay<S, N>,
+        t_max: F<S, N>,
+    ) -> (F<S, N>, F<S, N>) {
+        let [x, y, z] = [ray.heading.row(0), ray.heading.row(1), ray.heading.row(2)];
+        let near_x = F::<S, N>::load(s, &self.planes[x]).times_less(ray.inverse[0], ray.near[0]);
+        let near_y = F::<S, N>::load(s, &self.planes[y]).times_less(ray.inverse[1], ray.near[1]);
+        let near_z = F::<S, N>::load(s, &self.planes[z]).times_less(ray.inverse[2], ray.near[2]);
+        let far_x = F::<S, N>::load(s, &self.planes[x ^ 1]).times_less(ray.inverse[0], ray.far[0]);
+        let far_y = F::<S, N>::load(s, &self.planes[y ^ 1]).times_less(ray.inverse[1], ray.far[1]);
+        let far_z = F::<S, N>::load(s, &self.planes[z ^ 1]).times_less(ray.inverse[2], ray.far[2]);
+        (
+            near_x.max(near_y).max(near_z.max(ray.t_min)),
+            far_x.min(far_y).min(far_z.min(t_max)),
+        )
+    }
+}
+
+/// Which way a ray runs: bit `k` says that it runs down axis `k`.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Heading(u32);
+
+impl Heading {
+    /// Of no ray.
+    pub const NONE: Self = Self(0);
+
+    #[inline(always)]
+    pub fn of(ray: &PreparedRay) -> Self {
+        // Not the sign bits: a zero of either sign counts as going up.
+        Self::towards(ray.slab_terms().0)
+    }
+
+    /// Of a direction, or of its reciprocal.
+    #[inline(always)]
+    pub fn towards(d: Vec3) -> Self {
+        let [x, y, z] = [d.x < 0.0, d.y < 0.0, d.z < 0.0].map(u32::from);
+        Self(x | y << 1 | z << 2)
+    }
+
+    /// Which of a node's eight orders fits.
+    #[inline(always)]
+    pub fn octant(self) -> usize {
+        self.0 as usize & 7
+    }
+
+    /// The row of the planes across an axis that are met first; the other one is its neighbour.
+    #[inline(always)]
+    fn row(self, axis: usize) -> usize {
+        2 * axis + (self.0 as usize >> axis & 1)
+    }
+
+    /// Whether the ray runs down an axis.
+    #[inline(always)]
+    pub fn is_down(self, axis: usize) -> bool {
+        self.0 >> axis & 1 == 1
+    }
+
+    /// The near and the far planes of a node across an axis.
+    #[inline(always)]
+    pub fn planes<S: Lanes<N>, const N: usize>(
+        self,
+        s: S,
+        node: &Node<N>,
+        axis: usize,
+    ) -> [F<S, N>; 2] {
+        let near = self.row(axis);
+        [
+            F::<S, N>::load(s, &node.planes[near]),
+            F::<S, N>::load(s, &node.planes[near ^ 1]),
+        ]
+    }
+
+    /// Those of one child.
+    #[inline(always)]
+    pub fn plane<const N: usize>(self, node: &Node<N>, axis: usize, lane: usize) -> [f32; 2] {
+        let near = self.row(axis);
+        [node.planes[near][lane], node.planes[near ^ 1][lane]]
+    }
+}
+
+/// A tame ray in every lane.
+pub struct WideRay<S: Lanes<N>, const N: usize> {
+    inverse: [F<S, N>; 3],
+    near: [F<S, N>; 3],
+    far: [F<S, N>; 3],
+    t_min: F<S, N>,
+    heading: Heading,
+}
+
+impl<S: Lanes<N>, const N: usize> WideRay<S, N> {
+    #[inline(always)]
+    pub fn new(s: S, ray: &PreparedRay, heading: Heading) -> Self {
+        let (inverse, near, far) = ray.slab_terms();
+        Self {
+            inverse: splat::<S, N>(s, inverse),
+            near: splat::<S, N>(s, near),
+            far: splat::<S, N>(s, far),
+            t_min: F::<S, N>::splat(s, ray.t_min),
+            heading,
+        }
+    }
+}
+
+#[inline(always)]
+fn splat<S: Lanes<N>, const N: usize>(s: S, v: Vec3) -> [F<S, N>; 3] {
+    [
+        F::<S, N>::splat(s, v.x),
+        F::<S, N>::splat(s, v.y),
+        F::<S, N>::splat(s, v.z),
+    ]
+}

@@ -1,0 +1,113 @@
+//! The same walk box by box: for rays outside the doors, which need double precision, and for those that want to know why.
+
+use super::WideBvh;
+use super::node::Child;
+use crate::geometry::PreparedRay;
+use crate::primitive::{self, Primitives};
+use crate::query::{Counters, Query, Step, Verdict};
+use alloc::vec::Vec;
+
+/// Shows the primitives that the ray may meet to the query, at any level and for any ray.
+#[cold]
+pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize>(
+    bvh: &WideBvh<P, N>,
+    ray: &PreparedRay,
+    query: &mut Q,
+    counters: &mut C,
+) {
+    let slabs = ray.slabs(&bvh.bounds);
+    let (enter, t_max) = (slabs.0, query.t_max());
+    let entered = ray.enters(&bvh.bounds, t_max).is_some();
+    if C::EXPLAINS {
+        counters.step(Step::of_box(
+            0,
+            bvh.bounds,
+            slabs,
+            ray.t_min,
+            t_max,
+            Verdict::Opened,
+        ));
+    }
+    // Far to near; the last one comes next.
+    let mut stack = Vec::new();
+    if entered {
+        stack.push((enter, 0, bvh.root));
+    }
+    let mut direct = true;
+    while let Some((enter, number, child)) = stack.pop() {
+        if !direct {
+            let dropped = !(enter <= query.t_max());
+            if C::EXPLAINS {
+                counters.step(Step::Resumed {
+                    node: number,
+                    enter,
+                    dropped,
+                });
+            }
+            if dropped {
+                continue;
+            }
+        }
+        direct = false;
+        if child.is_leaf() {
+            counters.leaf();
+            if C::EXPLAINS {
+                counters.step(Step::Leaf {
+                    node: number,
+                    primitives: bvh.leaves.ids(child.blocks()).count() as u32,
+                });
+            }
+            for id in bvh.leaves.ids(child.blocks()) {
+                if primitive::offer(&bvh.primitives, id as usize, ray, query, counters).is_break() {
+                    return;
+                }
+            }
+            continue;
+        }
+        counters.node();
+        let from = stack.len();
+        let t_max = query.t_max();
+        for (lane, bounds, below) in bvh.nodes[child.index()].slots() {
+            if let Some(enter) = ray.enters(&bounds, t_max) {
+                stack.push((enter, WideBvh::<P, N>::number(child, lane), below));
+            } else if C::EXPLAINS {
+                let number = WideBvh::<P, N>::number(child, lane);
+                let slabs = ray.slabs(&bounds);
+                counters.step(Step::of_box(
+                    number,
+                    bounds,
+                    slabs,
+                    ray.t_min,
+                    t_max,
+                    Verdict::Missed,
+                ));
+            }
+        }
+        if Q::ORDERED {
+            stack[from..].sort_by(|a, b| b.0.total_cmp(&a.0));
+        }
+        direct = stack.len() > from;
+        if C::EXPLAINS {
+            for (place, &(_, number, _)) in stack[from..].iter().enumerate().rev() {
+                let lane = (number as usize - 1) % N;
+                let bounds = bvh.nodes[child.index()].bounds(lane);
+                let otherwise = if from + place + 1 == stack.len() {
+                    Verdict::Opened
+                } else {
+                    Verdict::Deferred
+                };
+                let slabs = ray.slabs(&bounds);
+                counters.step(Step::of_box(
+                    number, bounds, slabs, ray.t_min, t_max, otherwise,
+                ));
+            }
+        }
+    }
+}
+
+impl<P, const N: usize> WideBvh<P, N> {
+    /// The number of a child: 0 is the root, and the children of node `i` are `i N + 1` and so on.
+    pub(super) fn number(parent: Child, lane: usize) -> u32 {
+        (parent.index() * N + lane + 1) as u32
+    }
+}

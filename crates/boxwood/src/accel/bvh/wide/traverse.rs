@@ -1,0 +1,102 @@
+//! The one loop over wide nodes, in lanes.
+
+use super::WideBvh;
+use super::node::{Child, Heading, WideRay};
+use crate::geometry::triangle::block::{BlockRay, Stop};
+use crate::geometry::{PreparedRay, Ray};
+use crate::primitive::Primitives;
+use crate::query::{Counters, Query};
+use crate::simd::{F, Floats, Kernel, Lanes, Mask, Simd, Stack, U, Words};
+use core::ops::ControlFlow::{self, Break, Continue};
+
+/// One ray through the door.
+pub struct One<'a, P, Q, C, const N: usize> {
+    pub bvh: &'a WideBvh<P, N>,
+    pub ray: &'a Ray,
+    pub query: &'a mut Q,
+    pub counters: &'a mut C,
+}
+
+impl<P: Primitives, Q: Query, C: Counters, const N: usize> Kernel<N> for One<'_, P, Q, C, N> {
+    type Output = ControlFlow<Stop>;
+    #[inline(always)]
+    fn run<S: Simd + Lanes<N>>(self, s: S) -> ControlFlow<Stop> {
+        match PreparedRay::tame(s, self.ray, self.bvh.scale) {
+            Some(ray) => walk(s, self.bvh, &ray, self.query, self.counters),
+            None => Break(Stop::Uncovered),
+        }
+    }
+}
+
+/// Every query, counted or not, every width, every kind of leaf, every level.
+///
+/// *How it works.* All boxes of a node are met at once. Most rays enter none or one of them, which a branch predicts well:
+/// the next load need not wait for any sorting. Where there are more, the list for the ray's octant says which comes
+/// first; they go onto the stack in that order, closed up, with the distances of their boxes.
+#[inline(always)]
+fn walk<S, P, Q, C, const N: usize>(
+    s: S,
+    bvh: &WideBvh<P, N>,
+    ray: &PreparedRay,
+    query: &mut Q,
+    counters: &mut C,
+) -> ControlFlow<Stop>
+where
+    S: Simd + Lanes<N>,
+    P: Primitives,
+    Q: Query,
+    C: Counters,
+{
+    let heading = Heading::of(ray);
+    let wide = WideRay::<S, N>::new(s, ray, heading);
+    let lanes = BlockRay::<S>::new(s, ray);
+    let mut t_max = F::<S, N>::splat(s, query.t_max());
+    let mut stack = Stack::new();
+    let mut current = bvh.root;
+    loop {
+        while !current.is_leaf() {
+            counters.node();
+            let node = &bvh.nodes[current.index()];
+            let (entry, exit) = node.slabs(s, &wide, t_max);
+            let entered = entry.le(exit);
+            let bits = entered.bits();
+            if bits & bits.wrapping_sub(1) == 0 {
+                if bits != 0 {
+                    current = node.child(bits.trailing_zeros() as usize);
+                    continue;
+                }
+            } else if Q::ORDERED {
+                let order = U::<S, N>::from_nibbles(s, node.order(heading.octant()));
+                let (entry, exit) = (entry.permute(order), exit.permute(order));
+                let children = U::<S, N>::load(s, node.children()).permute(order);
+                stack.push::<S, N>(children, entry, entry.le(exit));
+            } else {
+                stack.push::<S, N>(U::<S, N>::load(s, node.children()), entry, entered);
+            }
+            match next(&mut stack, query) {
+                Some(child) => current = child,
+                None => return Continue(()),
+            }
+        }
+        counters.leaf();
+        bvh.leaves
+            .offer(current.blocks(), &bvh.primitives, &lanes, query, counters)?;
+        t_max = F::<S, N>::splat(s, query.t_max());
+        match next(&mut stack, query) {
+            Some(child) => current = child,
+            None => return Continue(()),
+        }
+    }
+}
+
+/// The next pending child that may still matter: one that is entered exactly at `t_max` may hold an equal hit of a lower
+/// primitive.
+#[inline(always)]
+fn next<Q: Query>(stack: &mut Stack, query: &Q) -> Option<Child> {
+    loop {
+        let (child, entry) = stack.pop()?;
+        if entry <= query.t_max() {
+            return Some(Child(child));
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! Four triangles side by side, met by the canonical test lane by lane.
+//!
+//! *How it works.* The corners lie in memory as the test wants them: a row of four floats for each vertex and axis, so that
+//! the ray's axes choose rows and nothing is moved. The operations and their order are those of [`watertight`], so the bits
+//! are too; only the filter is left out: rays that start on a surface pass it anyway, and one branch after `t` is faster.
+//!
+//! [`watertight`]: super::watertight
+
+use super::watertight::TINY;
+use crate::geometry::{Hit, PreparedRay, Vec3};
+use crate::query::Query;
+use crate::simd::{F, Floats, Lanes, Mask};
+use core::ops::ControlFlow::{self, Break, Continue};
+
+/// How many triangles a block holds.
+pub const LANES: usize = 4;
+
+/// Up to four triangles with their numbers; 160 bytes.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub struct TriangleBlock {
+    /// By vertex, axis and lane. Lanes without a triangle hold NaN, which nothing hits.
+    corners: [[[f32; LANES]; 3]; 3],
+    ids: [u32; LANES],
+}
+
+impl TriangleBlock {
+    /// Packs at most four triangles; their numbers should ascend.
+    pub fn new(ids: &[u32], triangle: impl Fn(usize) -> [Vec3; 3]) -> Self {
+        let mut block = Self {
+            corners: [[[f32::NAN; LANES]; 3]; 3],
+            ids: [u32::MAX; LANES],
+        };
+        for (lane, &id) in ids.iter().enumerate() {
+            block.ids[lane] = id;
+            for (rows, corner) in block.corners.iter_mut().zip(triangle(id as usize)) {
+                for (axis, row) in rows.iter_mut().enumerate() {
+                    row[lane] = corner[axis];
+                }
+            }
+        }
+        block
+    }
+
+    /// The numbers of its triangles.
+    pub fn ids(&self) -> &[u32] {
+        &self.ids[..self.count()]
+    }
+
+    /// How many triangles it holds.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        let [a, b, c, d] = self.ids;
+        let there = |id: u32| usize::from(id != u32::MAX);
+        there(a) + there(b) + there(c) + there(d)
+    }
+
+    /// Shows the hits within `[t_min, query.t_max()]` to the query, of those triangles that `seen` lets through.
+    ///
+    /// Breaks with [`Stop::Uncovered`] at a hit that the proof of the slack does not cover, without showing it: looking at
+    /// its box here would cost every ray registers, and such hits are rarer than one in many millions.
+    #[inline(always)]
+    pub fn offer<S: Lanes<LANES>, Q: Query>(
+        &self,
+        lanes: &BlockRay<'_, S>,
+        query: &mut Q,
+        seen: impl Fn(u32) -> bool,
+    ) -> ControlFlow<Stop> {
+        let s = lanes.s;
+        let [kx, ky, kz] = lanes.ray.axes;
+        let [ox, oy, oz] = lanes.origin;
+        let [sx, sy, iz] = lanes.shear;
+        let [a, b, c] = &self.corners;
+        let z0 = F::<S, LANES>::load(s, &a[kz]) - oz;
+        let z1 = F::<S, LANES>::load(s, &b[kz]) - oz;
+        let z2 = F::<S, LANES>::load(s, &c[kz]) - oz;
+        let x0 = (F::<S, LANES>::load(s, &a[kx]) - ox) - sx * z0;
+        let x1 = (F::<S, LANES>::load(s, &b[kx]) - ox) - sx * z1;
+        let x2 = (F::<S, LANES>::load(s, &c[kx]) - ox) - sx * z2;
+        let y0 = (F::<S, LANES>::load(s, &a[ky]) - oy) - sy * z0;
+        let y1 = (F::<S, LANES>::load(s, &b[ky]) - oy) - sy * z1;
+        let y2 = (F::<S, LANES>::load(s, &c[ky]) - oy) - sy * z2;
+        let u = difference_of_products(x2, y1, y2, x1);
+        let v = difference_of_products(x0, y2, y0, x2);
+        let w = difference_of_products(x1, y0, y1, x0);
+        let zero = F::<S, LANES>::splat(s, 0.0);
+        // A NaN may get lost in `min` and `max`; it comes back in `t`.
+        let inside = zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero);
+        let determinant = (u + v) + w;
+        let r = F::<S, LANES>::splat(s, 1.0) / determinant;
+        let t = (((u * z0 + v * z1) + w * z2) * iz) * r;
+        let t_max = F::<S, LANES>::splat(s, query.t_max());
+        let mut found = (inside & lanes.t_min.le(t) & t.le(t_max)).bits();
+        if found == 0 {
+            return Continue(());
+        }
+        let (t, u, v) = (t.to_array(), (v * r).to_array(), (w * r).to_array());
+        let determinant = determinant.to_array();
+        while found != 0 {
+            let lane = found.trailing_zeros() as usize % LANES;
+            found &= found - 1;
+            let hit = Hit {
+                t: t[lane],
+                u: u[lane],
+                v: v[lane],
+                primitive: self.ids[lane],
+                instance: 0,
+            };
+            // An earlier lane may have shortened the interval.
+            if hit.t <= query.t_max() && seen(hit.primitive) {
+                if determinant[lane].abs() < TINY {
+                    return Break(Stop::Uncovered);
+                }
+                if query.offer(hit).is_break() {
+                    return Break(Stop::Enough);
+                }
+            }
+        }
+        Continue(())
+    }
+}
+
+/// Why the triangles were not all shown.
+pub enum Stop {
+    /// The query has seen enough.
+    Enough,
+    /// A hit must be held against its triangle's own box first: the ray is for a loop that does so.
+    Uncovered,
+}
+
+/// `a b − c d`, as in the canonical test.
+#[inline(always)]
+fn difference_of_products<const N: usize, T: Floats<N>>(a: T, b: T, c: T, d: T) -> T {
+    let (p, q) = (a * b, c * d);
+    (p - q) + (a.product_error(b, p) - c.product_error(d, q))
+}
+
+/// A tame ray, and what the test needs of it in every lane.
+pub struct BlockRay<'r, S: Lanes<LANES>> {
+    pub ray: &'r PreparedRay,
+    s: S,
+    /// In the order of `axes`.
+    origin: [F<S, LANES>; 3],
+    shear: [F<S, LANES>; 3],
+    t_min: F<S, LANES>,
+}
+
+impl<'r, S: Lanes<LANES>> BlockRay<'r, S> {
+    /// The ray must be [tame](PreparedRay::is_tame).
+    #[inline(always)]
+    pub fn new(s: S, ray: &'r PreparedRay) -> Self {
+        let [kx, ky, kz] = ray.axes;
+        let [sx, sy, iz] = ray.shear;
+        Self {
+            ray,
+            s,
+            origin: [
+                F::<S, LANES>::splat(s, ray.origin[kx]),
+                F::<S, LANES>::splat(s, ray.origin[ky]),
+                F::<S, LANES>::splat(s, ray.origin[kz]),
+            ],
+            shear: [
+                F::<S, LANES>::splat(s, sx),
+                F::<S, LANES>::splat(s, sy),
+                F::<S, LANES>::splat(s, iz),
+            ],
+            t_min: F::<S, LANES>::splat(s, ray.t_min),
+        }
+    }
+}
+
+/// Sixteen tame rays with the same axes.
+pub struct RayGroup<'a> {
+    pub axes: [usize; 3],
+    /// In the order of `axes`.
+    pub origin: [&'a [f32; RayGroup::LANES]; 3],
+    pub shear: [&'a [f32; RayGroup::LANES]; 3],
+    pub t_min: &'a [f32; RayGroup::LANES],
+}
+
+impl RayGroup<'_> {
+    /// How many rays.
+    pub const LANES: usize = 16;
+}
+
+/// Where some rays of a group meet a triangle.
+pub struct Meetings {
+    /// Which ones, a bit each.
+    pub rays: u32,
+    t: [f32; RayGroup::LANES],
+    u: [f32; RayGroup::LANES],
+    v: [f32; RayGroup::LANES],
+    determinant: [f32; RayGroup::LANES],
+    primitive: u32,
+}
+
+impl Meetings {
+    /// The hit of one ray.
+    #[inline(always)]
+    pub fn hit(&self, ray: usize) -> Hit {
+        let ray = ray % RayGroup::LANES;
+        Hit {
+            t: self.t[ray],
+            u: self.u[ray],
+            v: self.v[ray],
+            primitive: self.primitive,
+            instance: 0,
+        }
+    }
+    /// Whether the proof of the slack covers it; see [`Stop::Uncovered`].
+    #[inline(always)]
+    pub fn is_covered(&self, ray: usize) -> bool {
+        self.determinant[ray % RayGroup::LANES].abs() >= TINY
+    }
+}
+
+impl TriangleBlock {
+    /// One of the triangles against a group of rays, each up to its `t_max`.
+    #[inline(always)]
+    pub fn meet<S: Lanes<{ RayGroup::LANES }>>(
+        &self,
+        s: S,
+        triangle: usize,
+        rays: &RayGroup<'_>,
+        t_max: &[f32; RayGroup::LANES],
+    ) -> Option<Meetings> {
+        let lane = triangle % LANES;
+        let [kx, ky, kz] = rays.axes;
+        let [a, b, c] = &self.corners;
+        let load = F::<S, { RayGroup::LANES }>::load;
+        let splat = F::<S, { RayGroup::LANES }>::splat;
+        let [ox, oy, oz] = [
+            load(s, rays.origin[0]),
+            load(s, rays.origin[1]),
+            load(s, rays.origin[2]),
+        ];
+        let [sx, sy] = [load(s, rays.shear[0]), load(s, rays.shear[1])];
+        let z0 = splat(s, a[kz][lane]) - oz;
+        let z1 = splat(s, b[kz][lane]) - oz;
+        let z2 = splat(s, c[kz][lane]) - oz;
+        let x0 = (splat(s, a[kx][lane]) - ox) - sx * z0;
+        let x1 = (splat(s, b[kx][lane]) - ox) - sx * z1;
+        let x2 = (splat(s, c[kx][lane]) - ox) - sx * z2;
+        let y0 = (splat(s, a[ky][lane]) - oy) - sy * z0;
+        let y1 = (splat(s, b[ky][lane]) - oy) - sy * z1;
+        let y2 = (splat(s, c[ky][lane]) - oy) - sy * z2;
+        let zero = splat(s, 0.0);
+        // Rounding is monotone: what the exact edge functions accept passes this. Most groups end here.
+        let (u, v, w) = (x2 * y1 - y2 * x1, x0 * y2 - y0 * x2, x1 * y0 - y1 * x0);
+        if (zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero)).bits() == 0 {
+            return None;
+        }
+        let u = difference_of_products(x2, y1, y2, x1);
+        let v = difference_of_products(x0, y2, y0, x2);
+        let w = difference_of_products(x1, y0, y1, x0);
+        let inside = zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero);
+        let determinant = (u + v) + w;
+        let r = splat(s, 1.0) / determinant;
+        let t = (((u * z0 + v * z1) + w * z2) * load(s, rays.shear[2])) * r;
+        let rays = (inside & load(s, rays.t_min).le(t) & t.le(load(s, t_max))).bits();
+        if rays == 0 {
+            return None;
+        }
+        Some(Meetings {
+            rays,
+            t: t.to_array(),
+            u: (v * r).to_array(),
+            v: (w * r).to_array(),
+            determinant: determinant.to_array(),
+            primitive: self.ids[lane],
+        })
+    }
+}

@@ -1,0 +1,220 @@
+//! Lanes of floats, and the one door into fast code. Nothing here knows what a ray is.
+//!
+//! *How it works.* A level (`Portable`, `Avx2`, `Avx512`) is a token that only [`Level::detect`] makes, so that
+//! holding one proves that the machine has the instructions. Lane values are made from a token and therefore carry
+//! the same proof: every operation on them is safe. A [`Kernel`] is one text, generic over the level;
+//! [`Level::vectorize`] runs it inside a function compiled for that level, into which everything is inlined.
+//!
+//! *Rule.* All of a kernel is `#[inline(always)]`: what stays outside the door is compiled for the plain machine and
+//! hands its lanes over in memory. Closures, `array::map` and `array::from_fn` cannot promise that, so kernels have none:
+//! with several codegen units three leftover calls to `array::map`, per ray and not even per node, cost 10 to 15 %.
+#![allow(unsafe_code, reason = "the one room where unsafe is allowed")]
+
+use core::mem::MaybeUninit;
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
+
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+mod avx2;
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+mod avx512;
+mod isa;
+pub mod pages;
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+mod pair;
+mod portable;
+mod stack;
+#[cfg(test)]
+mod tests;
+
+pub use isa::{Isa, UnknownIsa};
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+pub use {avx2::Avx2, avx512::Avx512};
+pub use {portable::Portable, stack::Stack};
+
+mod sealed {
+    /// [`Stack`](super::Stack) trusts `compress` and `bits`: only this room may implement them.
+    pub trait Sealed {}
+    impl Sealed for super::Portable {}
+    #[cfg(all(target_arch = "x86_64", feature = "std"))]
+    impl Sealed for super::Avx2 {}
+    #[cfg(all(target_arch = "x86_64", feature = "std"))]
+    impl Sealed for super::Avx512 {}
+}
+
+/// A level seen through registers of `N` lanes.
+pub trait Lanes<const N: usize>: Copy + sealed::Sealed {
+    /// `N` floats.
+    type F: Floats<N, Token = Self, Mask = Self::M, Words = Self::U>;
+    /// `N` unsigned words.
+    type U: Words<N, Token = Self, Mask = Self::M>;
+    /// `N` yes-or-no answers.
+    type M: Mask;
+}
+
+/// `N` floats of level `S`.
+pub type F<S, const N: usize> = <S as Lanes<N>>::F;
+/// `N` words of level `S`.
+pub type U<S, const N: usize> = <S as Lanes<N>>::U;
+
+/// A level: every width the library uses.
+pub trait Simd: Lanes<4> + Lanes<8> + Lanes<16> + Send + Sync + 'static {}
+impl<S: Lanes<4> + Lanes<8> + Lanes<16> + Send + Sync + 'static> Simd for S {}
+
+/// A piece of work written once for every level, on lanes of width `N`.
+///
+/// A struct with a method rather than a closure: a closure can be neither generic over the level nor
+/// `#[inline(always)]`.
+pub trait Kernel<const N: usize> {
+    /// What the work returns.
+    type Output;
+    /// The work. Implementations are `#[inline(always)]`, and so is all they call.
+    fn run<S: Simd + Lanes<N>>(self, s: S) -> Self::Output;
+}
+
+/// Floats in lanes. `min` and `max` return the *second* argument when either is NaN; comparisons read NaN as false.
+pub trait Floats<const N: usize>:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+    /// The level.
+    type Token: Copy;
+    /// The answer of a comparison.
+    type Mask: Mask;
+    /// Words of the same width.
+    type Words: Words<N>;
+    /// The same value in each lane.
+    fn splat(token: Self::Token, x: f32) -> Self;
+    /// Lanes from memory.
+    fn load(token: Self::Token, from: &[f32; N]) -> Self;
+    /// Lanes to memory.
+    fn to_array(self) -> [f32; N];
+    /// The smaller; `other` when unordered.
+    fn min(self, other: Self) -> Self;
+    /// The larger; `other` when unordered.
+    fn max(self, other: Self) -> Self;
+    /// `self <= other`.
+    fn le(self, other: Self) -> Self::Mask;
+    /// `self < other`.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// `self * factor - less`, rounded once where the level can and twice where not: for boxes only, whose slack covers
+    /// either. Never for what an answer is made of.
+    fn times_less(self, factor: Self, less: Self) -> Self;
+    /// `self * factor - product` exactly, where `product` is `self * factor` rounded: the same bits on every level.
+    fn product_error(self, factor: Self, product: Self) -> Self;
+    /// Lane `i` of the result is lane `order[i]`.
+    fn permute(self, order: Self::Words) -> Self;
+    /// Writes the chosen lanes, closed up, to the front of `out`. All of `out` is written.
+    fn compress(self, chosen: Self::Mask, out: &mut [MaybeUninit<f32>; N]);
+    /// The same into memory that holds something.
+    #[inline(always)]
+    fn close_up(self, chosen: Self::Mask, out: &mut [f32; N]) {
+        // SAFETY: initialised memory may be seen as memory that need not be, as long as nothing uninitialised is written
+        // to it, and `compress` writes all of it with values.
+        let out = unsafe { &mut *core::ptr::from_mut(out).cast() };
+        self.compress(chosen, out);
+    }
+}
+
+/// Words in lanes: child references and lane numbers.
+pub trait Words<const N: usize>: Copy {
+    /// The level.
+    type Token: Copy;
+    /// The mask of this width.
+    type Mask: Mask;
+    /// Lanes from memory.
+    fn load(token: Self::Token, from: &[u32; N]) -> Self;
+    /// Lane numbers from nibbles: lane `i` gets bits `4 i .. 4 i + 4`. Only the low bits that name a lane count.
+    fn from_nibbles(token: Self::Token, packed: u64) -> Self;
+    /// Lane `i` of the result is lane `order[i]`.
+    fn permute(self, order: Self) -> Self;
+    /// Writes the chosen lanes, closed up, to the front of `out`. All of `out` is written.
+    fn compress(self, chosen: Self::Mask, out: &mut [MaybeUninit<u32>; N]);
+    /// The same into memory that holds something.
+    #[inline(always)]
+    fn close_up(self, chosen: Self::Mask, out: &mut [u32; N]) {
+        // SAFETY: initialised memory may be seen as memory that need not be, as long as nothing uninitialised is written
+        // to it, and `compress` writes all of it with values.
+        let out = unsafe { &mut *core::ptr::from_mut(out).cast() };
+        self.compress(chosen, out);
+    }
+}
+
+/// One answer per lane.
+pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
+    /// Lane `i` in bit `i`.
+    fn bits(self) -> u32;
+}
+
+/// Begins to load the first `lines` cache lines of a value; does nothing where that cannot be asked for.
+#[inline(always)]
+pub fn prefetch<T>(_value: &T, _lines: usize) {
+    #[cfg(target_arch = "x86_64")]
+    for line in 0.._lines {
+        let at = core::ptr::from_ref(_value)
+            .cast::<i8>()
+            .wrapping_add(64 * line);
+        // SAFETY: prefetching reads nothing and is allowed for any address.
+        unsafe { core::arch::x86_64::_mm_prefetch::<{ core::arch::x86_64::_MM_HINT_T0 }>(at) };
+    }
+}
+
+/// What a machine can do. Small, `Copy`, stored in each wide structure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// Plain Rust: defines what every operation means.
+    Portable(Portable),
+    /// AVX2, FMA and BMI.
+    #[cfg(all(target_arch = "x86_64", feature = "std"))]
+    Avx2(Avx2),
+    /// AVX-512 F, VL, BW, DQ.
+    #[cfg(all(target_arch = "x86_64", feature = "std"))]
+    Avx512(Avx512),
+}
+
+impl Level {
+    /// `portable`, `avx2` or `avx512`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Portable(_) => "portable",
+            #[cfg(all(target_arch = "x86_64", feature = "std"))]
+            Self::Avx2(_) => "avx2",
+            #[cfg(all(target_arch = "x86_64", feature = "std"))]
+            Self::Avx512(_) => "avx512",
+        }
+    }
+
+    /// All levels of this machine, the portable one first.
+    pub fn available() -> alloc::vec::Vec<Self> {
+        #[allow(unused_mut, reason = "grows on x86-64 only")]
+        let mut levels = alloc::vec![Self::Portable(Portable)];
+        #[cfg(all(target_arch = "x86_64", feature = "std"))]
+        {
+            levels.extend(Avx2::detect().map(Self::Avx2));
+            levels.extend(Avx512::detect().map(Self::Avx512));
+        }
+        levels
+    }
+}
+
+/// "The library has lanes of width `N` at every level": the only bound a generic layout needs.
+pub trait Vectorize<const N: usize>: Copy {
+    /// Runs `kernel` compiled for this level. This is the door: open it once per query or batch.
+    fn vectorize<K: Kernel<N>>(self, kernel: K) -> K::Output;
+}
+
+macro_rules! doors {
+    ($($n:literal),*) => {$(
+        impl Vectorize<$n> for Level {
+            #[inline]
+            fn vectorize<K: Kernel<$n>>(self, kernel: K) -> K::Output {
+                match self {
+                    Self::Portable(s) => kernel.run(s),
+                    #[cfg(all(target_arch = "x86_64", feature = "std"))]
+                    Self::Avx2(s) => s.vectorize(kernel),
+                    #[cfg(all(target_arch = "x86_64", feature = "std"))]
+                    Self::Avx512(s) => s.vectorize(kernel),
+                }
+            }
+        }
+    )*};
+}
+doors!(4, 8, 16);
