@@ -59,10 +59,14 @@ const TABLE: &[&str] = &[
     "bvh:sbvh,budget=1.5,axes=xy",
     "wide8",
     "wide8:isa=avx2",
+    "wide8:isa=neon",
+    "wide8:isa=simd128",
     "wide8:isa=portable",
     "wide8:bins=2,axes=xy,reinsert=1",
     "wide16",
     "wide16:isa=avx2",
+    "wide16:isa=neon",
+    "wide16:isa=simd128",
     "wide16:isa=portable",
     "wide16:axes=z",
 ];
@@ -97,6 +101,10 @@ impl Entry {
     /// The structure and its settings.
     pub fn kind(&self) -> StructureKind {
         self.kind
+    }
+    /// By how many threads it is built, where that is not left to the test.
+    pub fn threads(&self) -> Option<usize> {
+        self.threads
     }
     /// Builds it.
     pub fn build<'a, P: Primitives + Send + Sync>(

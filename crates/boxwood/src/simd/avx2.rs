@@ -1,6 +1,6 @@
-//! AVX2 with FMA and BMI: registers of four and eight lanes, sixteen as a pair.
+//! AVX2 with FMA and BMI: registers of four and eight lanes, sixteen as two.
 
-use super::pair::{Pair, Select16};
+use super::registers::{Answers, Registers, Select};
 use super::{Floats, Kernel, Lanes, Mask, Words};
 use core::arch::x86_64::*;
 use core::mem::MaybeUninit;
@@ -78,9 +78,9 @@ impl Lanes<8> for Avx2 {
     type M = M8;
 }
 impl Lanes<16> for Avx2 {
-    type F = Pair<F8>;
-    type U = Pair<U8>;
-    type M = Pair<M8>;
+    type F = Registers<F8, 2>;
+    type U = Registers<U8, 2>;
+    type M = Registers<M8, 2>;
 }
 
 macro_rules! arithmetic {
@@ -316,10 +316,10 @@ impl Words<8> for U8 {
     }
 }
 
-impl Select16 for F8 {
+impl Select<2> for F8 {
     type Order = U8;
     #[inline(always)]
-    fn select16(low: Self, high: Self, order: U8) -> Self {
+    fn select([low, high]: [Self; 2], order: U8) -> Self {
         let upper = op!(_mm256_castsi256_ps(_mm256_slli_epi32::<28>(order.0)));
         op!(Self(_mm256_blendv_ps(
             low.permute(order).0,
@@ -329,13 +329,20 @@ impl Select16 for F8 {
     }
 }
 
-impl Select16 for U8 {
+impl Select<2> for U8 {
     type Order = U8;
     #[inline(always)]
-    fn select16(low: Self, high: Self, order: U8) -> Self {
-        let cast = |x: U8| op!(F8(_mm256_castsi256_ps(x.0)));
+    fn select([low, high]: [Self; 2], order: U8) -> Self {
+        let (low, high) = op!((_mm256_castsi256_ps(low.0), _mm256_castsi256_ps(high.0)));
         op!(Self(_mm256_castps_si256(
-            F8::select16(cast(low), cast(high), order).0
+            F8::select([F8(low), F8(high)], order).0
         )))
+    }
+}
+
+impl Answers<2> for M8 {
+    #[inline(always)]
+    fn gather([low, high]: [Self; 2]) -> u32 {
+        low.bits() | high.bits() << 8
     }
 }

@@ -5,7 +5,8 @@ use alloc::vec::Vec;
 use core::fmt;
 use core::str::FromStr;
 
-/// An instruction set that this machine has: `portable` (everywhere), `avx2`, `avx512`.
+/// An instruction set that this machine has: `portable` (everywhere), `avx2` and `avx512` (x86-64, found at run time), `neon`
+/// (64-bit ARM) or `simd128` (WebAssembly that is compiled with `-C target-feature=+simd128`).
 ///
 /// Answers do not depend on it, only their time does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! Lanes of floats, and the one door into fast code. Nothing here knows what a ray is.
 //!
-//! *How it works.* A level (`Portable`, `Avx2`, `Avx512`) is a token that only [`Level::detect`] makes, so that
+//! *How it works.* A level (`Portable`, `Avx2`, `Avx512`, `Neon`, `Simd128`) is a token that only its `detect` makes, so that
 //! holding one proves that the machine has the instructions. Lane values are made from a token and therefore carry
 //! the same proof: every operation on them is safe. A [`Kernel`] is one text, generic over the level;
 //! [`Level::vectorize`] runs it inside a function compiled for that level, into which everything is inlined.
@@ -18,27 +18,58 @@ mod avx2;
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 mod avx512;
 mod isa;
+#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+mod neon;
 pub mod pages;
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
-mod pair;
 mod portable;
+#[cfg(any(
+    all(target_arch = "x86_64", feature = "std"),
+    all(target_arch = "aarch64", target_feature = "neon"),
+    all(target_arch = "wasm32", target_feature = "simd128")
+))]
+mod registers;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+mod simd128;
 mod stack;
 #[cfg(test)]
 mod tests;
 
 pub use isa::{Isa, UnknownIsa};
+#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+pub use neon::Neon;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+pub use simd128::Simd128;
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 pub use {avx2::Avx2, avx512::Avx512};
 pub use {portable::Portable, stack::Stack};
+
+/// The levels beside the portable one, from slow to fast: where each is there, its token, its name, what it has.
+macro_rules! levels {
+    ($use:ident $($n:literal)?) => {
+        $use! { $($n;)?
+            #[cfg(all(target_arch = "x86_64", feature = "std"))]
+            Avx2 "avx2" "AVX2, FMA and BMI.",
+            #[cfg(all(target_arch = "x86_64", feature = "std"))]
+            Avx512 "avx512" "AVX-512 F, VL, BW, DQ.",
+            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+            Neon "neon" "NEON of 64-bit ARM.",
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Simd128 "simd128" "The 128-bit registers of WebAssembly.",
+        }
+    };
+}
 
 mod sealed {
     /// [`Stack`](super::Stack) trusts `compress` and `bits`: only this room may implement them.
     pub trait Sealed {}
     impl Sealed for super::Portable {}
-    #[cfg(all(target_arch = "x86_64", feature = "std"))]
-    impl Sealed for super::Avx2 {}
-    #[cfg(all(target_arch = "x86_64", feature = "std"))]
-    impl Sealed for super::Avx512 {}
+    macro_rules! seal {
+        ($(#[$there:meta] $level:ident $name:literal $has:literal,)*) => {$(
+            #[$there]
+            impl Sealed for super::$level {}
+        )*};
+    }
+    levels!(seal);
 }
 
 /// A level seen through registers of `N` lanes.
@@ -157,43 +188,46 @@ pub fn prefetch<T>(_value: &T, _lines: usize) {
     }
 }
 
-/// What a machine can do. Small, `Copy`, stored in each wide structure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
-    /// Plain Rust: defines what every operation means.
-    Portable(Portable),
-    /// AVX2, FMA and BMI.
-    #[cfg(all(target_arch = "x86_64", feature = "std"))]
-    Avx2(Avx2),
-    /// AVX-512 F, VL, BW, DQ.
-    #[cfg(all(target_arch = "x86_64", feature = "std"))]
-    Avx512(Avx512),
-}
-
-impl Level {
-    /// `portable`, `avx2` or `avx512`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Portable(_) => "portable",
-            #[cfg(all(target_arch = "x86_64", feature = "std"))]
-            Self::Avx2(_) => "avx2",
-            #[cfg(all(target_arch = "x86_64", feature = "std"))]
-            Self::Avx512(_) => "avx512",
+macro_rules! level {
+    ($(#[$there:meta] $level:ident $name:literal $has:literal,)*) => {
+        /// What a machine can do. Small, `Copy`, stored in each wide structure.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Level {
+            /// Plain Rust: defines what every operation means.
+            Portable(Portable),
+            $(
+                #[$there]
+                #[doc = $has]
+                $level($level),
+            )*
         }
-    }
 
-    /// All levels of this machine, the portable one first.
-    pub fn available() -> alloc::vec::Vec<Self> {
-        #[allow(unused_mut, reason = "grows on x86-64 only")]
-        let mut levels = alloc::vec![Self::Portable(Portable)];
-        #[cfg(all(target_arch = "x86_64", feature = "std"))]
-        {
-            levels.extend(Avx2::detect().map(Self::Avx2));
-            levels.extend(Avx512::detect().map(Self::Avx512));
+        impl Level {
+            /// `portable`, `avx2`, `avx512`, `neon` or `simd128`.
+            pub fn name(self) -> &'static str {
+                match self {
+                    Self::Portable(_) => "portable",
+                    $(
+                        #[$there]
+                        Self::$level(_) => $name,
+                    )*
+                }
+            }
+
+            /// All levels of this machine, the portable one first.
+            pub fn available() -> alloc::vec::Vec<Self> {
+                #[allow(unused_mut, reason = "some machines have no other level")]
+                let mut levels = alloc::vec![Self::Portable(Portable)];
+                $(
+                    #[$there]
+                    levels.extend($level::detect().map(Self::$level));
+                )*
+                levels
+            }
         }
-        levels
-    }
+    };
 }
+levels!(level);
 
 /// "The library has lanes of width `N` at every level": the only bound a generic layout needs.
 pub trait Vectorize<const N: usize>: Copy {
@@ -201,20 +235,22 @@ pub trait Vectorize<const N: usize>: Copy {
     fn vectorize<K: Kernel<N>>(self, kernel: K) -> K::Output;
 }
 
-macro_rules! doors {
-    ($($n:literal),*) => {$(
+macro_rules! door {
+    ($n:literal; $(#[$there:meta] $level:ident $name:literal $has:literal,)*) => {
         impl Vectorize<$n> for Level {
             #[inline]
             fn vectorize<K: Kernel<$n>>(self, kernel: K) -> K::Output {
                 match self {
                     Self::Portable(s) => kernel.run(s),
-                    #[cfg(all(target_arch = "x86_64", feature = "std"))]
-                    Self::Avx2(s) => s.vectorize(kernel),
-                    #[cfg(all(target_arch = "x86_64", feature = "std"))]
-                    Self::Avx512(s) => s.vectorize(kernel),
+                    $(
+                        #[$there]
+                        Self::$level(s) => s.vectorize(kernel),
+                    )*
                 }
             }
         }
-    )*};
+    };
 }
-doors!(4, 8, 16);
+levels!(door 4);
+levels!(door 8);
+levels!(door 16);

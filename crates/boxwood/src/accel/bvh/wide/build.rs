@@ -75,7 +75,7 @@ impl Value for &mut Isa {
     }
     fn expected(&self) -> String {
         // The same text on every machine, so that documentation is too.
-        "portable|avx2|avx512".into()
+        "portable|avx2|avx512|neon|simd128".into()
     }
 }
 
