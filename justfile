@@ -10,6 +10,10 @@ check:
 test:
     cargo test
 
+# The same bits on x86-64, on 64-bit ARM under qemu, and on WebAssembly under node; says what cannot be had.
+architectures:
+    cargo run --release -p boxwood-testkit --example architectures
+
 # Licences, advisories and sources of the dependencies.
 deny:
     cargo deny check

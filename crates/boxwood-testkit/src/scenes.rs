@@ -22,7 +22,7 @@ pub const SCENES: [(&str, Make); 27] = [
     ("needles", soups::needles),
     ("line", |n, _| soups::line(n, 0.1, 1.0)),
     ("exponential line", |n, _| {
-        soups::line(n, 1.0e-3, 1.0e9_f64.powf(1.0 / n.max(1) as f64))
+        soups::line(n, 1.0e-3, libm::pow(1.0e9, 1.0 / n.max(1) as f64))
     }),
     ("mixed sizes", soups::mixed_sizes),
     ("any floats", soups::any_floats),

@@ -2,6 +2,7 @@
 
 use crate::Random;
 use boxwood::TriangleMesh;
+use libm::{cos, sin};
 use std::f64::consts::TAU;
 
 /// Vertices and triangles on the way to a mesh: can still be moved and scaled.
@@ -70,8 +71,8 @@ pub fn sphere(around: u32, up: u32) -> Model {
         let polar = TAU / 2.0 * f64::from(row) / f64::from(up);
         for column in 0..around {
             let turn = TAU * f64::from(column) / f64::from(around);
-            let (x, y) = (polar.sin() * turn.cos(), polar.sin() * turn.sin());
-            model.positions.push([x, y, polar.cos()].map(|x| x as f32));
+            let (x, y) = (sin(polar) * cos(turn), sin(polar) * sin(turn));
+            model.positions.push([x, y, cos(polar)].map(|x| x as f32));
         }
     }
     model.add_grid(around, up - 2, |column, row| row * around + column % around);
@@ -93,13 +94,13 @@ pub fn sphere(around: u32, up: u32) -> Model {
 pub fn torus(around: u32, tube: u32) -> Model {
     let mut model = Model::default();
     for row in 0..tube {
-        let (sin, cos) = (TAU * f64::from(row) / f64::from(tube)).sin_cos();
+        let within = TAU * f64::from(row) / f64::from(tube);
         for column in 0..around {
             let turn = TAU * f64::from(column) / f64::from(around);
-            let out = 1.0 + 0.4 * cos;
+            let out = 1.0 + 0.4 * cos(within);
             model
                 .positions
-                .push([out * turn.cos(), out * turn.sin(), 0.4 * sin].map(|x| x as f32));
+                .push([out * cos(turn), out * sin(turn), 0.4 * sin(within)].map(|x| x as f32));
         }
     }
     model.add_grid(around, tube, |column, row| {
@@ -149,10 +150,10 @@ pub fn vase(around: u32, up: u32) -> Model {
     let mut model = Model::default();
     for row in 0..=up {
         let height = f64::from(row) / f64::from(up);
-        let radius = 0.55 + 0.45 * (5.0 * height).sin();
+        let radius = 0.55 + 0.45 * sin(5.0 * height);
         for column in 0..around {
             let turn = TAU * f64::from(column) / f64::from(around);
-            let place = [radius * turn.cos(), radius * turn.sin(), 2.0 * height - 1.0];
+            let place = [radius * cos(turn), radius * sin(turn), 2.0 * height - 1.0];
             model.positions.push(place.map(|x| x as f32));
         }
     }
@@ -175,7 +176,7 @@ pub fn terrain(n: u32, random: &mut Random) -> Model {
             let (x, y) = (at(column), at(row));
             let height: f64 = waves
                 .iter()
-                .map(|w| w[3] * (w[0] * x + w[1] * y + w[2]).sin())
+                .map(|w| w[3] * sin(w[0] * x + w[1] * y + w[2]))
                 .sum();
             model.positions.push([x, y, height].map(|x| x as f32));
         }

@@ -4,6 +4,7 @@
 
 use crate::{Model, Random};
 use boxwood::Vec3;
+use libm::{cos, sin};
 
 /// Small triangles anywhere.
 pub fn random(count: usize, random: &mut Random) -> Model {
@@ -65,8 +66,8 @@ pub fn fan(count: usize, random: &mut Random) -> Model {
     let (hub, up) = (random.in_cube() * 0.2, random.direction());
     let rim = (0..=count).map(|i| {
         let turn = std::f64::consts::TAU * i as f64 / count.max(1) as f64;
-        let ring = Vec3::new(turn.cos() as f32, turn.sin() as f32, 0.0);
-        (hub + ring + up * (0.3 * (5.0 * turn).sin()) as f32).to_array()
+        let ring = Vec3::new(cos(turn) as f32, sin(turn) as f32, 0.0);
+        (hub + ring + up * (0.3 * sin(5.0 * turn)) as f32).to_array()
     });
     Model {
         positions: std::iter::once(hub.to_array()).chain(rim).collect(),
