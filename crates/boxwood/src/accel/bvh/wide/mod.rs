@@ -82,11 +82,7 @@ where
         Ok(Self::new(primitives, tree))
     }
 
-    fn within(
-        primitives: P,
-        tree: &BinaryTree,
-        limits: &Limits<'_>,
-    ) -> Result<Self, BuildError> {
+    fn within(primitives: P, tree: &BinaryTree, limits: &Limits<'_>) -> Result<Self, BuildError> {
         let most = tree.order.iter().max().map_or(0, |&id| id as usize + 1);
         let fits = most == primitives.len() && tree.nodes.is_empty() == tree.order.is_empty();
         assert!(fits, "a tree for other primitives");

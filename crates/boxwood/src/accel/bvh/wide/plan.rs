@@ -77,12 +77,7 @@ impl<'a, const N: usize> Plan<'a, N> {
         size_of_val(&*self.choices) + size_of_val(&*self.promises)
     }
 
-    fn weigh<P: Primitives>(
-        &mut self,
-        primitives: &P,
-        index: usize,
-        site: &Site<'_>,
-    ) -> Below<N> {
+    fn weigh<P: Primitives>(&mut self, primitives: &P, index: usize, site: &Site<'_>) -> Below<N> {
         let node = self.tree.nodes[index];
         let area = half_area(&node.bounds) as f32;
         let leaf = |count: usize| area * count.div_ceil(Leaves::LANES) as f32;
