@@ -41,7 +41,7 @@ pub struct PeersArgs {
     pub peer: Vec<Contestant>,
 
     /// One of Boxwood's structures with its settings, repeated for each one
-    #[arg(long, value_name = "KIND", default_values_t = [StructureKind::default()])]
+    #[arg(long, value_name = "KIND", default_values_t = own())]
     pub boxwood: Vec<StructureKind>,
 
     /// About how many rays of each kind
@@ -67,6 +67,12 @@ pub struct PeersArgs {
     /// Write the rays as NumPy arrays, (n, 8) float32: origin, t_min, direction, t_max
     #[arg(long, value_name = "DIR")]
     pub save_rays: Option<PathBuf>,
+}
+
+/// The wide trees, and the default structure, which is two-way.
+fn own() -> Vec<StructureKind> {
+    let known = |name: &str| name.parse().expect("a structure");
+    vec![known("wide16"), known("wide8"), StructureKind::default()]
 }
 
 fn peer_help() -> String {

@@ -35,9 +35,11 @@ impl Disagreements {
         self.missed + self.invented + self.inexact + self.ties + self.ours + self.unjudged
     }
 
-    /// How many of them are the peer's fault.
+    /// How many of them are the peer's fault; of those that were not judged the same share as of those like them.
     pub fn wrong(&self) -> u32 {
-        self.missed + self.invented + self.inexact
+        let judged = u64::from(self.invented + self.ties + self.ours).max(1);
+        let unjudged = u64::from(self.unjudged) * u64::from(self.invented) / judged;
+        self.missed + self.invented + self.inexact + unjudged as u32
     }
 
     /// Adds those of others; the examples, which are of one kind of rays, stay behind.

@@ -231,13 +231,17 @@ pub fn summarize(all: &[Series]) -> Vec<Summary> {
             let mut views: Vec<(f64, &String)> = Vec::new();
             let mut wrong = 0.0_f64;
             for place in &places {
-                let ratios: Vec<&Ratio> = all
+                let series: Vec<&Series> = all
                     .iter()
                     .filter(|s| s.place() == *place && class.holds(s))
+                    .collect();
+                let ratios: Vec<&Ratio> = series
+                    .iter()
                     .flat_map(|s| &s.ratios)
                     .filter(|r| r.boxwood == boxwood && r.peer == peer)
                     .collect();
-                if !ratios.is_empty() {
+                // Who took part in some of the series only, such as packets in those of coherent rays, has no mean of all.
+                if !ratios.is_empty() && ratios.len() == series.len() {
                     views.push((geometric_mean(ratios.iter().map(|r| r.median)), place));
                 }
                 wrong = ratios.iter().map(|r| r.wrong).fold(wrong, f64::max);

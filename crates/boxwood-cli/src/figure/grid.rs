@@ -6,7 +6,8 @@ use crate::failure::Outcome;
 use crate::svg::{BLUE, GREEN, INK, ORANGE, PALE, dot};
 use crate::terminal::counted;
 use boxwood::inspect::Event;
-use boxwood::{Aabb, Step, StructureKind};
+use boxwood::{Aabb, Limits, Step};
+use boxwood_render::build_structure;
 use std::collections::HashMap;
 
 /// Nine cells for each thing: what 27 are in space.
@@ -14,7 +15,7 @@ pub const KIND: &str = "grid:c=9,axes=xy";
 
 pub fn build() -> Outcome<String> {
     let (flat, mesh) = Flat::triangles()?;
-    let grid = KIND.parse::<StructureKind>()?.build(&mesh);
+    let grid = build_structure(KIND.parse()?, &mesh, &Limits::NONE)?;
     // Prisms are listed by their bounding boxes.
     let by_boxes = flat.build(KIND)?.statistics().references;
     let mut cells = 0_u64;

@@ -5,7 +5,8 @@ use super::resolution::inverse;
 use super::sheet::{INNER, MARGIN, Panel, Sheet, words};
 use crate::failure::Outcome;
 use crate::svg::{INK, color, path, section};
-use boxwood::{Intersect, StructureKind};
+use boxwood::{Intersect, Limits};
+use boxwood_render::build_structure;
 use std::f32::consts::TAU;
 
 const GAP: f64 = 18.0;
@@ -36,7 +37,7 @@ pub fn draw() -> Outcome<String> {
     .into_iter()
     .enumerate()
     {
-        let tree = kind.parse::<StructureKind>()?.build(&mesh);
+        let tree = build_structure(kind.parse()?, &mesh, &Limits::NONE)?;
         let x = MARGIN + k as f64 * (SIDE + GAP);
         sheet.add(
             words([x, top + 14.0], name)

@@ -43,7 +43,7 @@ pub trait Intersect: Send + Sync {
     fn closest_hit_seen(&self, ray: &Ray, mask: u32, time: f32) -> Option<Hit>;
     /// [`Intersect::occluded`] by those primitives, at a moment.
     fn occluded_seen(&self, ray: &Ray, mask: u32, time: f32) -> bool;
-    /// Shows hits to `visit` in no particular order until it breaks; its value, when it is `Continue`, is the new end of
+    /// Shows hits to `visit` in no particular order, perhaps some of them twice, until it breaks; its value, when it is `Continue`, is the new end of
     /// the interval.
     fn visit(&self, ray: &Ray, visit: &mut dyn FnMut(Hit) -> ControlFlow<(), f32>);
     /// [`Intersect::closest_hit`] for many rays.

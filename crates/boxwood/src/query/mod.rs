@@ -33,6 +33,8 @@ pub trait Query {
         0.0
     }
     /// Receives a hit within `[t_min, t_max]`; `Break` ends the traversal.
+    ///
+    /// A hit may be shown more than once: a primitive may lie in several cells, and some rays are walked anew.
     fn offer(&mut self, hit: Hit) -> ControlFlow<()>;
 }
 

@@ -1,13 +1,18 @@
 //! Lanes of floats, and the one door into fast code. Nothing here knows what a ray is.
 //!
+<<<<<<< HEAD
 //! *How it works.* A level (`Portable`, `Avx2`, `Avx512`, `Neon`, `Simd128`) is a token that only its `detect` makes, so that
+=======
+//! *How it works.* A level (`Portable`, `Avx2`, `Avx512`) is a token that only its own `detect` makes, so that
+>>>>>>> main
 //! holding one proves that the machine has the instructions. Lane values are made from a token and therefore carry
 //! the same proof: every operation on them is safe. A [`Kernel`] is one text, generic over the level;
 //! [`Level::vectorize`] runs it inside a function compiled for that level, into which everything is inlined.
 //!
 //! *Rule.* All of a kernel is `#[inline(always)]`: what stays outside the door is compiled for the plain machine and
-//! hands its lanes over in memory. Closures, `array::map` and `array::from_fn` cannot promise that, so kernels have none:
-//! with several codegen units three leftover calls to `array::map`, per ray and not even per node, cost 10 to 15 %.
+//! hands its lanes over in memory. Closures, `array::map` and `array::from_fn` cannot promise that: what runs at every step
+//! has none, because three leftover calls to `array::map`, per ray and not even per node, cost 10 to 15 %. What runs once a
+//! ray or a leaf may have them, and the assembly is looked at.
 #![allow(unsafe_code, reason = "the one room where unsafe is allowed")]
 
 use core::mem::MaybeUninit;

@@ -12,7 +12,7 @@ const LARGE: usize = 2 << 20;
 /// A list with room for so many items, on large pages where it is large and the system allows. Best asked for before
 /// anything is written.
 pub fn with_capacity<T>(count: usize) -> Vec<T> {
-    #[allow(unused_mut, reason = "changed where pages have sizes")]
+    #[allow(unused_mut, reason = "advice is asked for on some systems only")]
     let mut list: Vec<T> = Vec::with_capacity(count);
     #[cfg(all(target_os = "linux", feature = "std"))]
     {

@@ -2,7 +2,7 @@
 
 use super::WideBvh;
 use crate::accel::bvh::{BinnedSah, Refine};
-use crate::accel::limits::{Limits, Site, unlimited};
+use crate::accel::limits::{Limits, unlimited};
 use crate::accel::settings::{Setting, Settings, Value};
 use crate::accel::{Axes, BuildError};
 use crate::primitive::Primitives;
@@ -11,6 +11,7 @@ use crate::simd::{Isa, Level, Vectorize};
 use alloc::boxed::Box;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
+use core::ops::ControlFlow::Continue;
 
 /// A wide tree of `N` children (8 or 16) from the binned surface-area heuristic, collapsed at the least expected cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +41,10 @@ impl<const N: usize> WideSah<N>
 where
     Level: Vectorize<N>,
 {
-    /// Builds the structure; it cannot fail.
+    /// Builds the structure.
+    ///
+    /// # Panics
+    /// When there are more than a quarter of a billion primitives.
     pub fn build<P: Primitives + Sync>(&self, primitives: P) -> WideBvh<P, N> {
         unlimited(self.build_within(primitives, &Limits::NONE))
     }
@@ -60,9 +64,20 @@ where
             axes: self.axes,
             refine: self.refine,
         };
-        let tree = binned.build_within(&primitives, limits)?;
-        let bvh = WideBvh::within(primitives, &tree, &Site::new(limits, 1))?;
-        Ok(bvh.with_isa(self.isa))
+        // The tree is the greater part of the work.
+        let watch = |share: f32| limits.watch.map_or(Continue(()), |watch| watch(share));
+        let tree = binned.build_within(
+            &primitives,
+            &Limits {
+                watch: Some(&|share| watch(TREE * share)),
+                ..*limits
+            },
+        )?;
+        let rest = Limits {
+            watch: Some(&|share| watch(TREE + (1.0 - TREE) * share)),
+            ..*limits
+        };
+        Ok(WideBvh::within(primitives, &tree, &rest)?.with_isa(self.isa))
     }
 }
 
@@ -78,6 +93,9 @@ impl Value for &mut Isa {
         "portable|avx2|avx512|neon|simd128".into()
     }
 }
+
+/// Which share of the work is done when the binary tree is.
+const TREE: f32 = 0.75;
 
 macro_rules! named {
     ($($n:literal: $name:literal),*) => {$(

@@ -98,14 +98,14 @@ impl<P: Primitives, const N: usize> Wide<'_, P, N> {
     /// Fills the node made for a subtree, and all below. The children of a node lie side by side.
     fn open(&mut self, index: usize, at: usize, depth: usize) {
         self.depth = self.depth.max(depth);
-        if !self.site.advance(0) {
-            return;
-        }
         let mut children = Vec::with_capacity(N);
         self.plan.children(index, &mut children);
         let mut slots = [(Aabb::EMPTY, Child::NOTHING); N];
         for (slot, &index) in slots.iter_mut().zip(&children) {
             *slot = (self.tree.nodes[index].bounds, self.child(index));
+        }
+        if !self.site.advance(children.len()) {
+            return;
         }
         let slots = &slots[..children.len()];
         self.nodes[at] = Node::new(slots);

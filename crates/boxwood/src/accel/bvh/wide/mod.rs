@@ -25,7 +25,7 @@ use crate::accel::limits::{Limits, Site, unlimited};
 use crate::accel::{BuildError, bvh::tree::BinaryTree};
 use crate::geometry::triangle::block::Stop;
 use crate::geometry::{Aabb, PreparedRay, Ray};
-use crate::inspect::{Cell, Statistics};
+use crate::inspect::{self, Cell, Statistics, TreeFlaw};
 use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Query, Traverse};
 use crate::simd::{Isa, Level, Portable, Vectorize};
@@ -67,16 +67,31 @@ where
     /// Lays a tree out that a builder of this crate made for these primitives.
     ///
     /// # Panics
-    /// When the tree is for fewer or more primitives, or for more than half a billion.
+    /// When the tree is for fewer or more primitives, has larger leaves than [`MAX_LEAF`](crate::accel::bvh::MAX_LEAF), or
+    /// more than a quarter of a billion primitives. See [`WideBvh::checked`] for trees from elsewhere.
     pub fn new(primitives: P, tree: &BinaryTree) -> Self {
-        unlimited(Self::within(primitives, tree, &Site::new(&Limits::NONE, 1)))
+        unlimited(Self::within(primitives, tree, &Limits::NONE))
     }
 
-    fn within(primitives: P, tree: &BinaryTree, site: &Site<'_>) -> Result<Self, BuildError> {
+    /// Takes a tree from anywhere, and looks at all of it first.
+    ///
+    /// # Errors
+    /// The first flaw that [`inspect::validate`] finds.
+    pub fn checked(primitives: P, tree: &BinaryTree) -> Result<Self, TreeFlaw> {
+        inspect::validate(tree, &primitives)?;
+        Ok(Self::new(primitives, tree))
+    }
+
+    fn within(primitives: P, tree: &BinaryTree, limits: &Limits<'_>) -> Result<Self, BuildError> {
         let most = tree.order.iter().max().map_or(0, |&id| id as usize + 1);
         let fits = most == primitives.len() && tree.nodes.is_empty() == tree.order.is_empty();
-        assert!(fits || site.is_over(), "a tree for other primitives");
-        let (root, nodes, leaves, depth) = collapse::collapse(&primitives, tree, MAX_LEAF, site)?;
+        assert!(fits, "a tree for other primitives");
+        // Every node is looked at twice: when it is weighed, and when it finds its place.
+        let site = Site::new(limits, tree.nodes.len());
+        let given = size_of_val(&*tree.nodes) + size_of_val(&*tree.order);
+        // Where there is no room for it, the build is over, and `finish` says so.
+        site.take(given);
+        let (root, nodes, leaves, depth) = collapse::collapse(&primitives, tree, MAX_LEAF, &site)?;
         let bounds = tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds);
         site.finish(Self {
             cut: tree.order.len() > primitives.len(),
@@ -138,16 +153,9 @@ where
                 rays: &rays[apart..end],
                 queries: &mut queries[apart..end],
             });
-            match outcome {
-                Outcome::Together => {}
-                Outcome::Apart | Outcome::Loose => {
-                    if outcome == Outcome::Loose {
-                        packet.take_uncovered();
-                        wait = WAIT;
-                    }
-                    apart = end;
-                    continue;
-                }
+            if outcome == Outcome::Apart {
+                apart = end;
+                continue;
             }
             let (before, rest) = mem::take(&mut queries).split_at_mut(apart);
             self.apart(&rays[..apart], before);
@@ -155,6 +163,14 @@ where
             for i in packet.take_uncovered() {
                 if let Some(ray) = PreparedRay::new(&rays[apart + i], self.scale) {
                     self.plainly(&ray, &mut together[i], &mut ());
+                }
+            }
+            if outcome == Outcome::Loose {
+                wait = WAIT;
+                for (i, query) in together.iter_mut().enumerate() {
+                    if packet.is_open(i) {
+                        self.traverse(&rays[apart + i], query, &mut ());
+                    }
                 }
             }
             (rays, queries, apart) = (&rays[end..], rest, 0);

@@ -25,7 +25,11 @@ impl Child {
         Self(index as u32)
     }
     /// One to sixteen blocks.
+    ///
+    /// # Panics
+    /// When there are more.
     pub fn leaf(first: usize, blocks: usize) -> Self {
+        assert!((1..=16).contains(&blocks), "a leaf of {blocks} blocks");
         Self(Self::LEAF | (first << 4 | (blocks - 1)) as u32)
     }
     #[inline(always)]

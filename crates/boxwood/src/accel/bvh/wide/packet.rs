@@ -43,7 +43,8 @@ pub struct Together<'a, P, Q, const N: usize> {
 pub enum Outcome {
     /// They are too different: none was asked.
     Apart,
-    /// They came to so many nodes that they have little in common: some are answered in part, and all must be asked again.
+    /// They came to so many nodes that they have little in common: those that are still [open](Packet::is_open) are to be
+    /// asked one by one, and the next ones had better run apart.
     Loose,
     /// They are answered.
     Together,
@@ -111,7 +112,13 @@ impl Packet {
     ///
     /// The same operations as for one ray ([`PreparedRay::tame`]), sixteen at a time.
     #[inline(always)]
-    fn gather<S: Lanes<LANES>>(&mut self, s: S, rays: &[Ray], scale: f32) -> bool {
+    fn gather<S: Lanes<LANES>, Q: Query>(
+        &mut self,
+        s: S,
+        rays: &[Ray],
+        queries: &[Q],
+        scale: f32,
+    ) -> bool {
         let Some(first) = rays.first() else {
             return false;
         };
@@ -132,7 +139,9 @@ impl Packet {
                 directions[k][group][lane] = ray.direction[k];
             }
             self.t_min[group][lane] = ray.t_min;
-            self.t_max[group][lane] = ray.t_max;
+            // Written so that a NaN in the ray stays.
+            let end = queries.get(i).map_or(f32::INFINITY, Query::t_max);
+            self.t_max[group][lane] = if end < ray.t_max { end } else { ray.t_max };
         }
         let splat = F::<S, LANES>::splat;
         let load = F::<S, LANES>::load;
@@ -165,7 +174,8 @@ impl Packet {
             ];
             let [kx, ky, kz] = self.axes;
             let t_min = zero.max(load(s, &self.t_min[group]));
-            let t_max = load(s, &self.t_max[group]).min(splat(s, f32::MAX));
+            // The second one where the ray's is NaN: no comparison then holds.
+            let t_max = splat(s, f32::MAX).min(load(s, &self.t_max[group]));
             // In one octant, with the same longest axis (the lowest wins a tie), and inside the doors.
             let mut alike = t_min.le(t_max)
                 & (distance[0] + distance[1] + distance[2]).lt(splat(s, PreparedRay::DOORS[1]))
@@ -281,7 +291,7 @@ impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Together<'_, P, Q, N
             rays,
             queries,
         } = self;
-        if !packet.gather(s, rays, bvh.scale) {
+        if !packet.gather(s, rays, queries, bvh.scale) {
             return Outcome::Apart;
         }
         let bounds = Bounds::<S, N>::new(s, packet);
@@ -490,6 +500,11 @@ impl Packet {
             }
         }
         shorter
+    }
+
+    /// Whether a ray's answer may not be complete yet.
+    pub fn is_open(&self, index: usize) -> bool {
+        self.t_max[index / LANES % GROUPS][index % LANES] > f32::NEG_INFINITY
     }
 
     /// Takes the rays that were left for the other loop.

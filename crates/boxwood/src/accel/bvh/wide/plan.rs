@@ -41,6 +41,14 @@ struct Below<const N: usize> {
     surface: f32,
 }
 
+impl<const N: usize> Below<N> {
+    const NOTHING: Self = Self {
+        costs: [0.0; N],
+        primitives: 0,
+        surface: 0.0,
+    };
+}
+
 impl<'a, const N: usize> Plan<'a, N> {
     /// Makes the plan; empty where the site says that the build is over.
     pub fn new<P: Primitives>(
@@ -59,7 +67,7 @@ impl<'a, const N: usize> Plan<'a, N> {
         if nodes > 0 && site.take(inner * size_of::<[u8; N]>() + nodes * size_of::<f32>()) {
             plan.choices = vec![[0; N]; inner];
             plan.promises = vec![0.0; nodes];
-            plan.weigh(primitives, 0);
+            plan.weigh(primitives, 0, site);
         }
         plan
     }
@@ -69,7 +77,7 @@ impl<'a, const N: usize> Plan<'a, N> {
         size_of_val(&*self.choices) + size_of_val(&*self.promises)
     }
 
-    fn weigh<P: Primitives>(&mut self, primitives: &P, index: usize) -> Below<N> {
+    fn weigh<P: Primitives>(&mut self, primitives: &P, index: usize, site: &Site<'_>) -> Below<N> {
         let node = self.tree.nodes[index];
         let area = half_area(&node.bounds) as f32;
         let leaf = |count: usize| area * count.div_ceil(Leaves::LANES) as f32;
@@ -81,7 +89,12 @@ impl<'a, const N: usize> Plan<'a, N> {
                 surface: ids.iter().map(|&id| surface(primitives, id as usize)).sum(),
             }
         } else {
-            let [a, b] = node.children().map(|child| self.weigh(primitives, child));
+            if !site.advance(1) {
+                return Below::NOTHING;
+            }
+            let [a, b] = node
+                .children()
+                .map(|child| self.weigh(primitives, child, site));
             let count = a.primitives + b.primitives;
             let mut costs = [f32::INFINITY; N];
             let mut choice = [0; N];
