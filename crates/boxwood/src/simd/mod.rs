@@ -1,10 +1,6 @@
 //! Lanes of floats, and the one door into fast code. Nothing here knows what a ray is.
 //!
-<<<<<<< HEAD
 //! *How it works.* A level (`Portable`, `Avx2`, `Avx512`, `Neon`, `Simd128`) is a token that only its `detect` makes, so that
-=======
-//! *How it works.* A level (`Portable`, `Avx2`, `Avx512`) is a token that only its own `detect` makes, so that
->>>>>>> main
 //! holding one proves that the machine has the instructions. Lane values are made from a token and therefore carry
 //! the same proof: every operation on them is safe. A [`Kernel`] is one text, generic over the level;
 //! [`Level::vectorize`] runs it inside a function compiled for that level, into which everything is inlined.
