@@ -12,7 +12,7 @@ pub(crate) mod morton;
 pub(crate) mod pair;
 mod plane;
 mod prism;
-mod ray;
+pub(crate) mod ray;
 pub mod real;
 mod roots;
 mod search;

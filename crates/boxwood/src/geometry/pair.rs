@@ -64,7 +64,7 @@ pub(crate) struct PairRay {
 impl PairRay {
     #[inline(always)]
     pub fn new(ray: &PreparedRay) -> Self {
-        let (inverse, near, far) = ray.slab_terms();
+        let [inverse, near, far] = ray.slab_terms();
         let row = |k: usize| if inverse[k] < 0.0 { k + 3 } else { k };
         let opposite = |k: usize| if inverse[k] < 0.0 { k } else { k + 3 };
         let factor = |k: usize| [inverse[k], inverse[k], -inverse[k], -inverse[k]];

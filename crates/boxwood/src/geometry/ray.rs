@@ -2,7 +2,7 @@
 
 use super::{Aabb, Vec3};
 use crate::math;
-use crate::simd::{F, Floats, Lanes, Portable};
+use crate::simd::{F, Floats, Lanes, Mask, Portable, U, Words};
 use core::ops::Deref;
 
 /// A half line with a closed interval `[t_min, t_max]`; 32 bytes. The direction may have any length; `t` counts in it.
@@ -66,13 +66,35 @@ impl Ray {
 }
 
 /// `u`: half the distance from 1 to the next float, the bound of one rounding.
-const U: f32 = 1.0 / (1 << 24) as f32;
+const UNIT: f32 = 1.0 / (1 << 24) as f32;
 /// 2⁻²⁰ and 2²⁸: between them no operation of the triangle test leaves the normal floats.
 const TINY_SCENE: f32 = 1.0 / (1_u64 << 20) as f32;
 const HUGE: f32 = (1_u64 << 28) as f32;
 
-/// The axis after each, in a circle.
-const AFTER: [usize; 3] = [1, 2, 0];
+/// For each axis the two after it, in a circle, and itself. The fourth is for a mask that names none.
+const ROUND: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
+/// The same for lanes.
+const ROUND_LANES: [[u32; 4]; 4] = [[1, 2, 0, 3], [2, 0, 1, 3], [0, 1, 2, 3], [0, 1, 2, 3]];
+
+/// Of the first three lanes, in each of them.
+#[inline(always)]
+fn largest<S: Lanes<4>>(s: S, v: F<S, 4>) -> F<S, 4> {
+    let [next, last] = [
+        U::<S, 4>::from_nibbles(s, 0x3021),
+        U::<S, 4>::from_nibbles(s, 0x3102),
+    ];
+    v.max(v.permute(next)).max(v.permute(last))
+}
+
+/// Of the first three lanes, in the first.
+#[inline(always)]
+fn sum<S: Lanes<4>>(s: S, v: F<S, 4>) -> F<S, 4> {
+    let [next, last] = [
+        U::<S, 4>::from_nibbles(s, 0x3021),
+        U::<S, 4>::from_nibbles(s, 0x3102),
+    ];
+    v + v.permute(next) + v.permute(last)
+}
 
 /// A ray with all that box and triangle tests need. Read the ray's own fields through it; `t_min` and `t_max` are
 /// already in order there.
@@ -89,18 +111,58 @@ const AFTER: [usize; 3] = [1, 2, 0];
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedRay {
     ray: Ray,
-    /// `1 / direction`, raised as above.
-    inverse: Vec3,
+    /// `1 / direction`, raised as above. Of these four the last number means nothing: they are what lanes leave.
+    inverse: [f32; 4],
     /// What is subtracted from `plane · inverse` to get where the ray enters a slab, and where it leaves.
-    near: Vec3,
-    far: Vec3,
+    near: [f32; 4],
+    far: [f32; 4],
     /// The axis of the largest |direction| and the two after it.
     pub(crate) axes: [usize; 3],
     /// `d[kx] / d[kz]`, `d[ky] / d[kz]` and `1 / d[kz]`, for a ray that is not tame those of the scaled direction.
     pub(crate) shear: [f32; 3],
     slack: f64,
-    /// The power of two in the scaled direction; `None` when the ray is tame.
-    scaled: Option<f32>,
+    /// The power of two in the scaled direction; 0 when the ray is tame.
+    scaled: f32,
+}
+
+/// What slab tests need of a ray, in lanes: who walks on with it at once has it in registers.
+pub(crate) struct Facing<S: Lanes<4>> {
+    inverse: F<S, 4>,
+    near: F<S, 4>,
+    far: F<S, 4>,
+}
+
+impl<S: Lanes<4>> Facing<S> {
+    /// Coordinates of the direction are raised to `floor` at least.
+    #[inline(always)]
+    fn new(s: S, origin: F<S, 4>, direction: F<S, 4>, floor: F<S, 4>, slack: f32) -> Self {
+        // Not the sign's bit: `crossing` counts a zero of either sign as going up, and adding zero makes them one.
+        let towards = direction + F::<S, 4>::splat(s, 0.0);
+        let inverse = F::<S, 4>::splat(s, 1.0) / direction.abs().max(floor).signed_as(towards);
+        let pad = inverse.abs() * F::<S, 4>::splat(s, slack);
+        let at = origin * inverse;
+        Self {
+            inverse,
+            near: at + pad,
+            far: at - pad,
+        }
+    }
+
+    /// As [`PreparedRay::slab_terms`].
+    #[inline(always)]
+    pub fn slab_terms(&self) -> [[f32; 4]; 3] {
+        [
+            self.inverse.to_array(),
+            self.near.to_array(),
+            self.far.to_array(),
+        ]
+    }
+
+    /// Which axes the ray runs down, a bit each.
+    #[inline(always)]
+    pub fn down(&self, s: S) -> u32 {
+        self.inverse.lt(F::<S, 4>::splat(s, 0.0)).bits() & 7
+    }
 }
 
 impl PreparedRay {
@@ -112,9 +174,9 @@ impl PreparedRay {
         (TINY_SCENE < scale) & (scale < HUGE)
     }
     /// How many units of the largest |coordinates| of scene and origin the slack is.
-    pub(crate) const SLACK: f32 = 32.0 * U;
+    pub(crate) const SLACK: f32 = 32.0 * UNIT;
     /// To how many units of the longest coordinate of a direction the others are raised.
-    pub(crate) const FLOOR: f32 = U;
+    pub(crate) const FLOOR: f32 = UNIT;
 
     /// No ray: what a place holds before there is one.
     pub(crate) const IDLE: Self = Self {
@@ -124,13 +186,13 @@ impl PreparedRay {
             direction: Vec3::ZERO,
             t_max: 0.0,
         },
-        inverse: Vec3::ZERO,
-        near: Vec3::ZERO,
-        far: Vec3::ZERO,
+        inverse: [0.0; 4],
+        near: [0.0; 4],
+        far: [0.0; 4],
         axes: [0, 1, 2],
         shear: [0.0; 3],
         slack: 0.0,
-        scaled: None,
+        scaled: 0.0,
     };
 
     /// Makes a ray ready for a scene whose largest |coordinate| is `scale`; `None` when it can hit nothing.
@@ -138,58 +200,57 @@ impl PreparedRay {
     pub fn new(ray: &Ray, scale: f32) -> Option<Self> {
         match Self::tame(Portable, ray, scale) {
             None => Self::wild(ray, scale),
-            tame => tame,
+            Some((ready, _)) => Some(ready),
         }
     }
 
-    /// The same for a ray inside the doors; `None` for any other. Without a branch but that one.
+    /// The same for a ray inside the doors; `None` for any other. Without a branch but that one, all axes at once.
     #[inline(always)]
-    pub(crate) fn tame<S: Lanes<4>>(s: S, ray: &Ray, scale: f32) -> Option<Self> {
-        let (o, d) = (ray.origin, ray.direction);
+    pub(crate) fn tame<S: Lanes<4>>(s: S, ray: &Ray, scale: f32) -> Option<(Self, Facing<S>)> {
+        let (o, d) = (&ray.origin, &ray.direction);
         // A comparison that fails for NaN, not `max`, which would lose it.
         let t_min = if ray.t_min < 0.0 { 0.0 } else { ray.t_min };
         let t_max = ray.end();
-        let (size, distance) = (d.abs(), o.abs());
-        let larger = |a: f32, b: f32| if a > b { a } else { b };
-        let largest = larger(larger(size.x, size.y), size.z);
+        // As they lie in memory. The fourth lane goes with the others and reaches none of them.
+        let origin = F::<S, 4>::load(s, &[o.x, o.y, o.z, ray.t_min]);
+        let direction = F::<S, 4>::load(s, &[d.x, d.y, d.z, ray.t_max]);
+        let (size, distance) = (direction.abs(), origin.abs());
+        let [largest, reach] = [largest(s, size), largest(s, distance)];
         // Sums, because they keep NaN and infinity.
-        let inside = (t_min <= t_max)
-            & (distance.x + distance.y + distance.z < HUGE)
-            & (size.x + size.y + size.z < HUGE)
-            & (HUGE.recip() < largest)
-            & Self::is_tame_scene(scale);
-        if !inside {
+        let huge = F::<S, 4>::splat(s, HUGE);
+        let inside = sum(s, distance).lt(huge)
+            & sum(s, size).lt(huge)
+            & F::<S, 4>::splat(s, HUGE.recip()).lt(largest);
+        if !((inside.bits() & 1 == 1) & (t_min <= t_max) & Self::is_tame_scene(scale)) {
             return None;
         }
-        let reach = larger(larger(distance.x, distance.y), distance.z);
         // The lowest axis wins a tie.
-        let (x, y) = (size.x == largest, size.y == largest);
-        let kz = if x { 0 } else { 2 - usize::from(y) };
-        let (dx, dy, dz) = if x {
-            (d.y, d.z, d.x)
-        } else if y {
-            (d.z, d.x, d.y)
-        } else {
-            (d.x, d.y, d.z)
-        };
-        let shear = F::<S, 4>::load(s, &[dx, dy, 1.0, 1.0]) / F::<S, 4>::splat(s, dz);
-        let [sx, sy, iz, _] = shear.to_array();
+        let kz = largest.le(size).bits().trailing_zeros() as usize % 4;
+        let round = U::<S, 4>::load(s, &ROUND_LANES[kz]);
+        let across = direction.permute(round);
+        let shear = (across / across.permute(U::<S, 4>::from_nibbles(s, 0x2222))).to_array();
+        let [reach, ..] = reach.to_array();
         let slack = Self::SLACK * (scale + reach);
-        let ready = Self {
-            ray: Ray {
-                t_min,
-                t_max,
-                ..*ray
-            },
-            inverse: Vec3::ZERO,
-            near: Vec3::ZERO,
-            far: Vec3::ZERO,
-            axes: [AFTER[kz], AFTER[AFTER[kz]], kz],
-            shear: [sx, sy, iz],
-            slack: f64::from(slack),
-            scaled: None,
+        let floor = largest * F::<S, 4>::splat(s, Self::FLOOR);
+        let facing = Facing::new(s, origin, direction, floor, slack);
+        let first = |v: F<S, 4>| {
+            let [x, y, z, _] = v.to_array();
+            Vec3::new(x, y, z)
         };
-        Some(ready.facing(s, d, Self::FLOOR * largest, slack))
+        let ready = Self {
+            // Out of the lanes: copied from memory, it would be read in larger pieces than it was written in, which waits.
+            ray: Ray {
+                origin: first(origin),
+                t_min,
+                direction: first(direction),
+                t_max,
+            },
+            axes: ROUND[kz],
+            shear: [shear[0], shear[1], facing.inverse.to_array()[kz]],
+            slack: f64::from(slack),
+            ..Self::IDLE
+        };
+        Some((ready.facing(&facing), facing))
     }
 
     /// For any other ray.
@@ -203,9 +264,9 @@ impl PreparedRay {
         if !(t_min <= t_max && o.is_finite() && d.is_finite() && largest > 0.0) {
             return None;
         }
-        let (kx, ky) = (AFTER[kz], AFTER[AFTER[kz]]);
+        let axes @ [kx, ky, _] = ROUND[kz];
         let reach = o.abs().max_element();
-        let slack = 32.0 * f64::from(U) * (f64::from(scale) + f64::from(reach));
+        let slack = 32.0 * f64::from(UNIT) * (f64::from(scale) + f64::from(reach));
         let power = math::power_to_one(largest);
         let d = d * power;
         let ready = Self {
@@ -214,35 +275,30 @@ impl PreparedRay {
                 t_max,
                 ..*ray
             },
-            inverse: Vec3::ZERO,
-            near: Vec3::ZERO,
-            far: Vec3::ZERO,
-            axes: [kx, ky, kz],
+            axes,
             shear: [d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]],
             slack,
-            scaled: Some(power),
+            scaled: power,
+            ..Self::IDLE
         };
-        Some(ready.facing(Portable, d, U * d[kz].abs(), slack as f32))
+        let lanes = |v: Vec3| F::<Portable, 4>::load(Portable, &[v.x, v.y, v.z, 0.0]);
+        let floor = F::<Portable, 4>::splat(Portable, Self::FLOOR * d[kz].abs());
+        Some(ready.facing(&Facing::new(
+            Portable,
+            lanes(o),
+            lanes(d),
+            floor,
+            slack as f32,
+        )))
     }
 
-    /// With what slab tests need of a direction whose coordinates are raised to `floor` at least.
     #[inline(always)]
-    fn facing<S: Lanes<4>>(self, s: S, d: Vec3, floor: f32, slack: f32) -> Self {
-        let raise = |x: f32| {
-            // Not the sign's bit: `crossing` counts a zero of either sign as going up.
-            let least = if x < 0.0 { -floor } else { floor };
-            if x.abs() < floor { least } else { x }
-        };
-        let along = F::<S, 4>::load(s, &[raise(d.x), raise(d.y), raise(d.z), 1.0]);
-        let inverse = F::<S, 4>::splat(s, 1.0) / along;
-        let pad = inverse.max(F::<S, 4>::splat(s, 0.0) - inverse) * F::<S, 4>::splat(s, slack);
-        let o = self.ray.origin;
-        let at = F::<S, 4>::load(s, &[o.x, o.y, o.z, 0.0]) * inverse;
-        let first = |[x, y, z, _]: [f32; 4]| Vec3::new(x, y, z);
+    fn facing<S: Lanes<4>>(self, facing: &Facing<S>) -> Self {
+        let [inverse, near, far] = facing.slab_terms();
         Self {
-            inverse: first(inverse.to_array()),
-            near: first((at + pad).to_array()),
-            far: first((at - pad).to_array()),
+            inverse,
+            near,
+            far,
             ..self
         }
     }
@@ -250,25 +306,26 @@ impl PreparedRay {
     /// Whether the proof of the slack holds for this ray and scene without further checks.
     #[inline(always)]
     pub fn is_tame(&self) -> bool {
-        self.scaled.is_none()
+        self.scaled == 0.0
     }
 
     /// The power of two that the direction behind [`Self::shear`] was multiplied with; `None` when the ray is tame.
     #[inline(always)]
     pub(crate) fn scaled(&self) -> Option<f32> {
-        self.scaled
+        (!self.is_tame()).then_some(self.scaled)
     }
 
     /// `1 / direction`, and what is subtracted from `plane · inverse` to get where the ray enters and leaves a slab.
     #[inline(always)]
-    pub(crate) fn slab_terms(&self) -> (Vec3, Vec3, Vec3) {
-        (self.inverse, self.near, self.far)
+    pub(crate) fn slab_terms(&self) -> [[f32; 4]; 3] {
+        [self.inverse, self.near, self.far]
     }
 
     /// `1 / direction`, where coordinates that are nearly zero are raised: finite for a tame ray, and right to 1 u.
     #[inline(always)]
     pub(crate) fn inverse(&self) -> Vec3 {
-        self.inverse
+        let [x, y, z, _] = self.inverse;
+        Vec3::new(x, y, z)
     }
 
     /// Where the ray enters and leaves a box, both erring to the outside by the slack; it is entered where
@@ -278,7 +335,7 @@ impl PreparedRay {
     /// Nothing is promised of an empty box, which a ray may seem to enter.
     #[inline(always)]
     pub fn slabs(&self, b: &Aabb) -> (f32, f32) {
-        if self.scaled.is_some() {
+        if !self.is_tame() {
             return self.slabs_f64(b);
         }
         let (mut enter, mut leave) = (f32::NEG_INFINITY, f32::INFINITY);
@@ -327,7 +384,7 @@ impl PreparedRay {
     /// `t`, has `t <= late`; what lies behind it has `t >= early`. Monotone in the plane, as [`Self::slabs`].
     #[inline(always)]
     pub fn crossing(&self, axis: usize, plane: f32) -> (f32, f32) {
-        if self.scaled.is_some() {
+        if !self.is_tame() {
             return self.crossing_f64(axis, plane);
         }
         let at = plane * self.inverse[axis];
@@ -337,8 +394,7 @@ impl PreparedRay {
     /// What [`Self::crossing`] computes with for a tame ray, by axis: `plane · [0] − [1]` and `plane · [0] − [2]`.
     #[inline(always)]
     pub(crate) fn crossings(&self) -> [[f32; 3]; 3] {
-        let (i, n, f) = (self.inverse, self.near, self.far);
-        [[i.x, n.x, f.x], [i.y, n.y, f.y], [i.z, n.z, f.z]]
+        [0, 1, 2].map(|axis| [self.inverse[axis], self.near[axis], self.far[axis]])
     }
 
     #[cold]

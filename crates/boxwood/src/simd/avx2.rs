@@ -171,6 +171,15 @@ impl Floats<4> for F4 {
         op!(Self(_mm_max_ps(self.0, other.0)))
     }
     #[inline(always)]
+    fn abs(self) -> Self {
+        op!(Self(_mm_andnot_ps(_mm_set1_ps(-0.0), self.0)))
+    }
+    #[inline(always)]
+    fn signed_as(self, other: Self) -> Self {
+        let sign = op!(_mm_and_ps(_mm_set1_ps(-0.0), other.0));
+        op!(Self(_mm_or_ps(self.abs().0, sign)))
+    }
+    #[inline(always)]
     fn le(self, other: Self) -> M4 {
         op!(M4(_mm_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)))
     }
@@ -258,6 +267,15 @@ impl Floats<8> for F8 {
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         op!(Self(_mm256_max_ps(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        op!(Self(_mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0)))
+    }
+    #[inline(always)]
+    fn signed_as(self, other: Self) -> Self {
+        let sign = op!(_mm256_and_ps(_mm256_set1_ps(-0.0), other.0));
+        op!(Self(_mm256_or_ps(self.abs().0, sign)))
     }
     #[inline(always)]
     fn le(self, other: Self) -> M8 {

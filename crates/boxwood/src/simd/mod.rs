@@ -29,6 +29,7 @@ mod portable;
     all(target_arch = "wasm32", target_feature = "simd128")
 ))]
 mod registers;
+mod rows;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod simd128;
 mod stack;
@@ -42,7 +43,11 @@ pub use neon::Neon;
 pub use simd128::Simd128;
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 pub use {avx2::Avx2, avx512::Avx512};
-pub use {portable::Portable, stack::Stack};
+pub use {
+    portable::Portable,
+    rows::{Row, Rows},
+    stack::Stack,
+};
 
 /// The levels beside the portable one, from slow to fast: where each is there, its token, its name, what it has.
 macro_rules! levels {
@@ -123,6 +128,10 @@ pub trait Floats<const N: usize>:
     fn min(self, other: Self) -> Self;
     /// The larger; `other` when unordered.
     fn max(self, other: Self) -> Self;
+    /// Without the sign.
+    fn abs(self) -> Self;
+    /// With the sign of `other`, a zero's included.
+    fn signed_as(self, other: Self) -> Self;
     /// `self <= other`.
     fn le(self, other: Self) -> Self::Mask;
     /// `self < other`.
@@ -176,14 +185,18 @@ pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
     fn bits(self) -> u32;
 }
 
-/// Begins to load the first `lines` cache lines of a value; does nothing where that cannot be asked for.
+/// Where an element lies, or would lie: for [`prefetch`].
 #[inline(always)]
-pub fn prefetch<T>(_value: &T, _lines: usize) {
+pub fn address<T>(slice: &[T], index: usize) -> *const u8 {
+    slice.as_ptr().wrapping_add(index).cast()
+}
+
+/// Begins to load some cache lines; does nothing where that cannot be asked for. Any address will do.
+#[inline(always)]
+pub fn prefetch(_at: *const u8, _lines: usize) {
     #[cfg(target_arch = "x86_64")]
     for line in 0.._lines {
-        let at = core::ptr::from_ref(_value)
-            .cast::<i8>()
-            .wrapping_add(64 * line);
+        let at = _at.wrapping_add(64 * line).cast();
         // SAFETY: prefetching reads nothing and is allowed for any address.
         unsafe { core::arch::x86_64::_mm_prefetch::<{ core::arch::x86_64::_MM_HINT_T0 }>(at) };
     }

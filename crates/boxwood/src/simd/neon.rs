@@ -226,6 +226,14 @@ impl Floats<4> for F4 {
         op!(Self(vbslq_f32(other.lt(self).0, self.0, other.0)))
     }
     #[inline(always)]
+    fn abs(self) -> Self {
+        op!(Self(vabsq_f32(self.0)))
+    }
+    #[inline(always)]
+    fn signed_as(self, other: Self) -> Self {
+        op!(Self(vbslq_f32(vdupq_n_u32(1 << 31), other.0, self.0)))
+    }
+    #[inline(always)]
     fn le(self, other: Self) -> M4 {
         op!(M4(vcleq_f32(self.0, other.0)))
     }

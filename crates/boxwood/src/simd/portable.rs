@@ -5,6 +5,9 @@ use core::array::from_fn;
 use core::mem::MaybeUninit;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
+/// The bit of a float that says below zero.
+const SIGN: u32 = 1 << 31;
+
 /// The level that every machine has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Portable;
@@ -77,6 +80,16 @@ impl<const N: usize> Floats<N> for Array<f32, N> {
             } else {
                 other.0[i]
             }
+        }))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(from_fn(|i| f32::from_bits(self.0[i].to_bits() & !SIGN)))
+    }
+    #[inline(always)]
+    fn signed_as(self, other: Self) -> Self {
+        Self(from_fn(|i| {
+            f32::from_bits(self.0[i].to_bits() & !SIGN | other.0[i].to_bits() & SIGN)
         }))
     }
     #[inline(always)]

@@ -104,6 +104,14 @@ macro_rules! registers {
                 Self([$(self.0[$k].max(other.0[$k])),*])
             }
             #[inline(always)]
+            fn abs(self) -> Self {
+                Self([$(self.0[$k].abs()),*])
+            }
+            #[inline(always)]
+            fn signed_as(self, other: Self) -> Self {
+                Self([$(self.0[$k].signed_as(other.0[$k])),*])
+            }
+            #[inline(always)]
             fn le(self, other: Self) -> Self::Mask {
                 Registers([$(self.0[$k].le(other.0[$k])),*])
             }

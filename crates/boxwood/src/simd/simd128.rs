@@ -172,6 +172,14 @@ impl Floats<4> for F4 {
         Self(f32x4_pmax(other.0, self.0))
     }
     #[inline(always)]
+    fn abs(self) -> Self {
+        Self(f32x4_abs(self.0))
+    }
+    #[inline(always)]
+    fn signed_as(self, other: Self) -> Self {
+        Self(v128_bitselect(other.0, self.0, u32x4_splat(1 << 31)))
+    }
+    #[inline(always)]
     fn le(self, other: Self) -> M4 {
         M4(f32x4_le(self.0, other.0))
     }

@@ -16,6 +16,8 @@ impl<const N: usize> Kernel<N> for Everything<N> {
             a / b,
             a.min(b),
             a.max(b),
+            a.abs(),
+            a.signed_as(b),
             a.product_error(b, a * b),
             a.permute(order),
             F::<S, N>::splat(s, 3.0),
@@ -27,8 +29,8 @@ impl<const N: usize> Kernel<N> for Everything<N> {
             .collect();
         for mask in [a.le(b), a.lt(b), a.le(b) & b.le(a), a.lt(b) | b.lt(a)] {
             out.push(mask.bits());
-            let mut stack = Stack::new();
-            stack.push::<S, N>(
+            let mut stack = Stack::<99>::new();
+            stack.top::<N>().push::<S>(
                 U::<S, N>::load(s, &core::array::from_fn(|i| i as u32)).permute(order),
                 a,
                 mask,

@@ -67,7 +67,7 @@ impl TriangleBlock {
         seen: impl Fn(u32) -> bool,
     ) -> ControlFlow<Stop> {
         let s = lanes.s;
-        let [kx, ky, kz] = lanes.ray.axes;
+        let [kx, ky, kz] = lanes.axes;
         let [ox, oy, oz] = lanes.origin;
         let [sx, sy, iz] = lanes.shear;
         let [a, b, c] = &self.corners;
@@ -139,6 +139,8 @@ fn difference_of_products<const N: usize, T: Floats<N>>(a: T, b: T, c: T, d: T) 
 pub struct BlockRay<'r, S: Lanes<LANES>> {
     pub ray: &'r PreparedRay,
     s: S,
+    /// Those of the ray.
+    axes: [usize; 3],
     /// In the order of `axes`.
     origin: [F<S, LANES>; 3],
     shear: [F<S, LANES>; 3],
@@ -149,11 +151,14 @@ impl<'r, S: Lanes<LANES>> BlockRay<'r, S> {
     /// The ray must be [tame](PreparedRay::is_tame).
     #[inline(always)]
     pub fn new(s: S, ray: &'r PreparedRay) -> Self {
-        let [kx, ky, kz] = ray.axes;
+        let axes @ [kx, ky, kz] = ray.axes;
+        // Here, and not at every triangle.
+        assert!(kx < 3 && ky < 3 && kz < 3, "three axes");
         let [sx, sy, iz] = ray.shear;
         Self {
             ray,
             s,
+            axes,
             origin: [
                 F::<S, LANES>::splat(s, ray.origin[kx]),
                 F::<S, LANES>::splat(s, ray.origin[ky]),

@@ -14,12 +14,17 @@ use crate::geometry::triangle::block::{BlockRay, Stop};
 use crate::geometry::{PreparedRay, Ray};
 use crate::primitive::Primitives;
 use crate::query::Query;
-use crate::simd::{F, Floats, Kernel, Lanes, Mask, Simd, U, Words, prefetch};
-use alloc::vec;
+use crate::simd::{F, Floats, Kernel, Lanes, Row, Simd, Stack, U, Words, address, prefetch};
+use core::array;
+use core::hint::select_unpredictable;
+use core::mem;
 use core::ops::ControlFlow::{Break, Continue};
 
 /// Rays in flight: 16 to 64 are equally fast.
 const SLOTS: usize = 32;
+
+/// The cache lines of a node or a leaf that are asked for ahead. A leaf has three; the rest of a node follows by itself.
+const LINES: usize = 3;
 
 /// A batch through the door: one query for each ray.
 pub struct Batch<'a, P, Q, const N: usize> {
@@ -29,28 +34,42 @@ pub struct Batch<'a, P, Q, const N: usize> {
 }
 
 /// A ray in flight.
-struct Slot {
+struct Slot<const N: usize> {
     ray: PreparedRay,
     heading: Heading,
-    /// Where it stands; [`Child::NOTHING`] when it is through.
+    /// Of the planes that the ray meets first.
+    rows: [Row<N, 6>; 3],
+    /// Where it stands; [`Child::NOTHING`] when it is through, which lies at the bottom of its stack.
     current: Child,
-    /// How many entries its stack has. The lowest one is [`Child::NOTHING`].
-    pending: usize,
     /// Its place in the batch.
     index: usize,
     /// What its query said last.
     t_max: f32,
 }
 
-impl Slot {
-    const IDLE: Self = Self {
-        ray: PreparedRay::IDLE,
-        heading: Heading::NONE,
-        current: Child::NOTHING,
-        pending: 1,
-        index: 0,
-        t_max: f32::NEG_INFINITY,
+/// The slots that stand somewhere.
+struct Queue {
+    slots: [u8; SLOTS],
+    len: usize,
+}
+
+impl Queue {
+    const EMPTY: Self = Self {
+        slots: [0; SLOTS],
+        len: 0,
     };
+
+    /// Writes a slot behind the last one, where it stays if it is `there`: without a branch.
+    #[inline(always)]
+    fn push_if(&mut self, there: bool, slot: usize) {
+        self.slots[self.len % SLOTS] = slot as u8;
+        self.len += usize::from(there);
+    }
+
+    #[inline(always)]
+    fn slot(&self, i: usize) -> usize {
+        usize::from(self.slots[i % SLOTS]) % SLOTS
+    }
 }
 
 impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Batch<'_, P, Q, N> {
@@ -59,136 +78,99 @@ impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Batch<'_, P, Q, N> {
     #[inline(always)]
     fn run<S: Simd + Lanes<N>>(self, s: S) {
         let Batch { bvh, rays, queries } = self;
-        // Every level below the root leaves at most `N - 1` children behind; `N` lanes are written at a time.
-        let height = bvh.depth * (N - 1) + 1 + N;
-        let mut children = vec![Child::NOTHING.0; SLOTS * height];
-        let mut entries = vec![f32::NEG_INFINITY; SLOTS * height];
+        let nodes = bvh.nodes.as_slice();
         let mut slots = [const { Slot::IDLE }; SLOTS];
+        let mut stacks: [Stack<ROOM>; SLOTS] = array::from_fn(|_| Stack::new());
         let mut waiting = rays.iter().enumerate();
-        // Who stands at a node, and who at a leaf.
-        let mut at_node = [0_u8; SLOTS];
-        let mut at_leaf = [0_u8; SLOTS];
-        let (mut nodes, mut leaves) = (0, 0);
-        for (place, slot) in slots.iter_mut().enumerate() {
-            let Some(next) = Slot::next(s, bvh, &mut waiting, queries) else {
+        let (mut at_node, mut at_leaf) = (Queue::EMPTY, Queue::EMPTY);
+        for (place, (slot, stack)) in slots.iter_mut().zip(&mut stacks).enumerate() {
+            if !slot.begin(s, bvh, &mut waiting, queries, stack) {
                 break;
-            };
-            *slot = next;
-            let (list, count) = if slot.current.is_leaf() {
-                (&mut at_leaf, &mut leaves)
-            } else {
-                (&mut at_node, &mut nodes)
-            };
-            list[*count % SLOTS] = place as u8;
-            *count += 1;
-        }
-        while nodes + leaves > 0 {
-            while nodes > 0 && leaves < SLOTS / 2 {
-                let mut stay = 0;
-                for i in 0..nodes {
-                    let place = at_node[i % SLOTS] as usize % SLOTS;
-                    let slot = &mut slots[place];
-                    let bottom = place * height;
-                    let children = &mut children[bottom..bottom + height];
-                    let entries = &mut entries[bottom..bottom + height];
-                    slot.step::<S, Q, N>(s, &bvh.nodes, children, entries);
-                    bvh.fetch(slot.current);
-                    // Both lists are written, and one of them grows.
-                    at_node[stay % SLOTS] = place as u8;
-                    at_leaf[leaves % SLOTS] = place as u8;
-                    let leaf = usize::from(slot.current.is_leaf());
-                    stay += 1 - leaf;
-                    leaves += leaf;
-                }
-                nodes = stay;
             }
-            let count = leaves;
-            leaves = 0;
-            for i in 0..count {
-                let place = at_leaf[i % SLOTS] as usize % SLOTS;
-                let slot = &mut slots[place];
-                let query = &mut queries[slot.index];
-                let bottom = place * height;
-                if slot.current != Child::NOTHING {
-                    let lanes = BlockRay::<S>::new(s, &slot.ray);
-                    let blocks = slot.current.blocks();
-                    let shown = bvh
-                        .leaves
-                        .offer(blocks, &bvh.primitives, &lanes, query, &mut ());
-                    match shown {
-                        Continue(()) => {
-                            let children = &mut children[bottom..bottom + height];
-                            let entries = &mut entries[bottom..bottom + height];
-                            if query.t_max() < slot.t_max {
-                                slot.t_max = query.t_max();
-                                slot.forget_beyond(children, entries);
-                            }
-                            slot.pop(children);
-                        }
-                        Break(Stop::Enough) => slot.current = Child::NOTHING,
-                        Break(Stop::Uncovered) => {
-                            scalar::walk(bvh, &slot.ray, query, &mut ());
-                            slot.current = Child::NOTHING;
-                        }
-                    }
+            at_node.push_if(!slot.current.is_leaf(), place);
+            at_leaf.push_if(slot.current.is_leaf(), place);
+        }
+        while at_node.len + at_leaf.len > 0 {
+            while at_node.len > 0 && at_leaf.len < SLOTS / 2 {
+                let standing = mem::take(&mut at_node.len);
+                for i in 0..standing {
+                    let place = at_node.slot(i);
+                    let slot = &mut slots[place];
+                    slot.step::<S, Q>(s, nodes, &mut stacks[place]);
+                    bvh.fetch(slot.current);
+                    at_node.push_if(!slot.current.is_leaf(), place);
+                    at_leaf.push_if(slot.current.is_leaf(), place);
                 }
-                if slot.current == Child::NOTHING {
-                    match Slot::next(s, bvh, &mut waiting, queries) {
-                        Some(next) => *slot = next,
-                        None => continue,
-                    }
+            }
+            let standing = mem::take(&mut at_leaf.len);
+            for i in 0..standing {
+                let place = at_leaf.slot(i);
+                let (slot, stack) = (&mut slots[place], &mut stacks[place]);
+                if slot.current != Child::NOTHING {
+                    slot.look(s, bvh, &mut queries[slot.index], stack);
+                }
+                if slot.current == Child::NOTHING
+                    && !slot.begin(s, bvh, &mut waiting, queries, stack)
+                {
+                    continue;
                 }
                 bvh.fetch(slot.current);
-                let (list, count) = if slot.current.is_leaf() {
-                    (&mut at_leaf, &mut leaves)
-                } else {
-                    (&mut at_node, &mut nodes)
-                };
-                list[*count % SLOTS] = place as u8;
-                *count += 1;
+                at_node.push_if(!slot.current.is_leaf(), place);
+                at_leaf.push_if(slot.current.is_leaf(), place);
             }
         }
     }
 }
 
-impl Slot {
-    /// The next ray that is worth a slot; those outside the doors are answered at once.
+impl<const N: usize> Slot<N> {
+    const IDLE: Self = Self {
+        ray: PreparedRay::IDLE,
+        heading: Heading::NONE,
+        rows: [Row::FIRST; 3],
+        current: Child::NOTHING,
+        index: 0,
+        t_max: f32::NEG_INFINITY,
+    };
+
+    /// Takes the next ray that is worth a slot, if there is one; those outside the doors are answered at once.
     #[inline(always)]
-    fn next<'r, S: Lanes<4>, P: Primitives, Q: Query, const N: usize>(
+    fn begin<'r, S: Lanes<4>, P: Primitives, Q: Query>(
+        &mut self,
         s: S,
         bvh: &WideBvh<P, N>,
         waiting: &mut impl Iterator<Item = (usize, &'r Ray)>,
         queries: &mut [Q],
-    ) -> Option<Self> {
+        stack: &mut Stack<ROOM>,
+    ) -> bool {
         for (index, ray) in waiting {
-            if let Some(ray) = PreparedRay::tame(s, ray, bvh.scale) {
-                return Some(Self {
-                    heading: Heading::of(&ray),
-                    ray,
-                    current: bvh.root,
-                    pending: 1,
-                    index,
-                    t_max: queries[index].t_max(),
-                });
+            if let Some((ray, facing)) = PreparedRay::tame(s, ray, bvh.scale) {
+                self.heading = Heading::of(s, &facing);
+                self.rows = self.heading.rows();
+                self.ray = ray;
+                self.current = bvh.root;
+                self.index = index;
+                self.t_max = queries[index].t_max();
+                stack.begin(Child::NOTHING.0);
+                return true;
             }
             if let Some(ray) = PreparedRay::new(ray, bvh.scale) {
                 bvh.plainly(&ray, &mut queries[index], &mut ());
             }
         }
-        None
+        false
     }
 
     /// Opens the node at which the ray stands and takes the next one.
     #[inline(always)]
-    fn step<S: Simd + Lanes<N>, Q: Query, const N: usize>(
+    fn step<S: Simd + Lanes<N>, Q: Query>(
         &mut self,
         s: S,
         nodes: &[Node<N>],
-        children: &mut [u32],
-        entries: &mut [f32],
+        stack: &mut Stack<ROOM>,
     ) {
         let node = &nodes[self.current.index()];
-        let ray = WideRay::<S, N>::new(s, &self.ray, self.heading);
+        let top = stack.top::<N>();
+        let ray = WideRay::<S, N>::new(s, self.ray.slab_terms(), self.ray.t_min, self.rows);
         let (entry, exit) = node.slabs(s, &ray, F::<S, N>::splat(s, self.t_max));
         let below = U::<S, N>::load(s, node.children());
         let (entry, exit, below) = if Q::ORDERED {
@@ -201,42 +183,58 @@ impl Slot {
         } else {
             (entry, exit, below)
         };
-        let entered = entry.le(exit);
-        let top = self.pending;
-        below.close_up(entered, children[top..].first_chunk_mut().expect("room"));
-        if Q::ORDERED {
-            entry.close_up(entered, entries[top..].first_chunk_mut().expect("room"));
+        top.push::<S>(below, entry, entry.le(exit));
+        self.pop(stack);
+    }
+
+    /// Shows the query the leaf at which the ray stands and takes the next child.
+    #[inline(always)]
+    fn look<S: Simd + Lanes<N>, P: Primitives, Q: Query>(
+        &mut self,
+        s: S,
+        bvh: &WideBvh<P, N>,
+        query: &mut Q,
+        stack: &mut Stack<ROOM>,
+    ) {
+        let lanes = BlockRay::<S>::new(s, &self.ray);
+        let blocks = self.current.blocks();
+        let shown = bvh
+            .leaves
+            .offer(blocks, &bvh.primitives, &lanes, query, &mut ());
+        match shown {
+            Continue(()) => {
+                if query.t_max() < self.t_max {
+                    self.t_max = query.t_max();
+                    // What is entered exactly there may hold an equal hit of a lower primitive.
+                    stack.forget_beyond::<S, N>(s, self.t_max);
+                }
+                self.pop(stack);
+            }
+            Break(Stop::Enough) => self.current = Child::NOTHING,
+            Break(Stop::Uncovered) => {
+                scalar::walk(bvh, &self.ray, query, &mut ());
+                self.current = Child::NOTHING;
+            }
         }
-        self.pending = top + entered.bits().count_ones() as usize;
-        self.pop(children);
     }
 
     #[inline(always)]
-    fn pop(&mut self, children: &[u32]) {
-        self.pending -= 1;
-        self.current = Child(children[self.pending]);
-    }
-
-    /// Drops what is entered beyond its `t_max`. What is entered exactly there may hold an equal hit of a lower primitive.
-    #[inline(always)]
-    fn forget_beyond(&mut self, children: &mut [u32], entries: &mut [f32]) {
-        let mut kept = 1;
-        for i in 1..self.pending {
-            (children[kept], entries[kept]) = (children[i], entries[i]);
-            kept += usize::from(entries[i] <= self.t_max);
-        }
-        self.pending = kept;
+    fn pop(&mut self, stack: &mut Stack<ROOM>) {
+        let (child, _) = stack.pop().expect("nothing lies at the bottom");
+        self.current = Child(child);
     }
 }
 
+/// How many levels a tree may have for this.
+pub const LEVELS: usize = 24;
+const ROOM: usize = Stack::<0>::room(LEVELS, 16);
+
 impl<P: Primitives, const N: usize> WideBvh<P, N> {
-    /// Begins to load what a ray that stands there will need.
+    /// Begins to load what a ray that stands there will need. Without a branch: where a ray stands cannot be predicted.
     #[inline(always)]
     fn fetch(&self, child: Child) {
-        if child.is_leaf() {
-            self.leaves.fetch(child.blocks().start);
-        } else if let Some(node) = self.nodes.get(child.index()) {
-            prefetch(node, size_of::<Node<N>>() / 64);
-        }
+        let node = address(&self.nodes, child.index());
+        let leaf = self.leaves.address(child.blocks().start);
+        prefetch(select_unpredictable(child.is_leaf(), leaf, node), LINES);
     }
 }

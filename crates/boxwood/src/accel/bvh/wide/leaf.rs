@@ -3,7 +3,7 @@
 use crate::geometry::triangle::block::{BlockRay, LANES, Stop, TriangleBlock};
 use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Query};
-use crate::simd::{Lanes, pages, prefetch};
+use crate::simd::{Lanes, address, pages};
 use alloc::vec::Vec;
 use core::ops::ControlFlow::{self, Break, Continue};
 use core::ops::Range;
@@ -71,12 +71,10 @@ impl Leaves {
         self.triangles.get(blocks).unwrap_or(&[])
     }
 
-    /// Begins to load a block.
+    /// Where a block lies, if it is one of triangles.
     #[inline(always)]
-    pub fn fetch(&self, block: usize) {
-        if let Some(triangles) = self.triangles.get(block) {
-            prefetch(triangles, 3);
-        }
+    pub fn address(&self, block: usize) -> *const u8 {
+        address(&self.triangles, block)
     }
 
     /// The primitives in some blocks.

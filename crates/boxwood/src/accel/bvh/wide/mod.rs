@@ -179,7 +179,11 @@ where
     }
 
     fn apart<Q: Query>(&self, rays: &[Ray], queries: &mut [Q]) {
-        if !rays.is_empty() {
+        if self.depth > batch::LEVELS {
+            for (ray, query) in rays.iter().zip(queries) {
+                self.traverse(ray, query, &mut ());
+            }
+        } else if !rays.is_empty() {
             self.isa.level().vectorize(batch::Batch {
                 bvh: self,
                 rays,

@@ -1,7 +1,8 @@
 //! A wide node: eight rows of `N` words, whatever `N` is.
 
-use crate::geometry::{Aabb, PreparedRay, Vec3};
-use crate::simd::{F, Floats, Lanes};
+use crate::geometry::ray::Facing;
+use crate::geometry::{Aabb, Vec3};
+use crate::simd::{F, Floats, Lanes, Row, Rows};
 
 /// A reference to a node or to a run of leaf blocks.
 ///
@@ -52,7 +53,7 @@ impl Child {
 #[repr(C, align(64))]
 pub struct Node<const N: usize> {
     /// Lower x, upper x, lower y, upper y, lower z, upper z.
-    planes: [[f32; N]; 6],
+    planes: Rows<N, 6>,
     children: [u32; N],
     /// Eight lists of `N` nibbles, one per octant: the children from far to near.
     order: [u32; N],
@@ -62,7 +63,7 @@ impl<const N: usize> Node<N> {
     /// A node of at most `N` children. Unused slots hold a box that no ray enters.
     pub fn new(children: &[(Aabb, Child)]) -> Self {
         let mut node = Self {
-            planes: [[0.0; N]; 6],
+            planes: Rows([[0.0; N]; 6]),
             children: [Child::NOTHING.0; N],
             order: [0; N],
         };
@@ -73,8 +74,8 @@ impl<const N: usize> Node<N> {
                 .unwrap_or((Aabb::EMPTY, Child::NOTHING));
             node.children[lane] = child.0;
             for axis in 0..3 {
-                node.planes[2 * axis][lane] = bounds.lower[axis];
-                node.planes[2 * axis + 1][lane] = bounds.upper[axis];
+                node.planes.0[2 * axis][lane] = bounds.lower[axis];
+                node.planes.0[2 * axis + 1][lane] = bounds.upper[axis];
             }
         }
         for octant in 0..8 {
@@ -136,12 +137,12 @@ impl<const N: usize> Node<N> {
     }
 
     pub fn bounds(&self, lane: usize) -> Aabb {
-        let side = |k: usize| Vec3::from([0, 2, 4].map(|axis| self.planes[axis + k][lane]));
+        let side = |k: usize| Vec3::from([0, 2, 4].map(|axis| self.planes.0[axis + k][lane]));
         Aabb::new(side(0), side(1))
     }
 
     /// Where the ray enters and leaves each child within its interval, both erring to the outside by the slack; a child is
-    /// entered where `entry <= exit`. As [`PreparedRay::slabs`], with fewer roundings where the level can fuse.
+    /// entered where `entry <= exit`. As [`PreparedRay::slabs`](crate::PreparedRay::slabs), with fewer roundings where the level can fuse.
     #[inline(always)]
     pub fn slabs<S: Lanes<N>>(
         &self,
@@ -149,13 +150,14 @@ impl<const N: usize> Node<N> {
         ray: &WideRay<S, N>,
         t_max: F<S, N>,
     ) -> (F<S, N>, F<S, N>) {
-        let [x, y, z] = [ray.heading.row(0), ray.heading.row(1), ray.heading.row(2)];
-        let near_x = F::<S, N>::load(s, &self.planes[x]).times_less(ray.inverse[0], ray.near[0]);
-        let near_y = F::<S, N>::load(s, &self.planes[y]).times_less(ray.inverse[1], ray.near[1]);
-        let near_z = F::<S, N>::load(s, &self.planes[z]).times_less(ray.inverse[2], ray.near[2]);
-        let far_x = F::<S, N>::load(s, &self.planes[x ^ 1]).times_less(ray.inverse[0], ray.far[0]);
-        let far_y = F::<S, N>::load(s, &self.planes[y ^ 1]).times_less(ray.inverse[1], ray.far[1]);
-        let far_z = F::<S, N>::load(s, &self.planes[z ^ 1]).times_less(ray.inverse[2], ray.far[2]);
+        let [x, y, z] = ray.rows;
+        let load = |row| F::<S, N>::load(s, self.planes.at(row));
+        let near_x = load(x).times_less(ray.inverse[0], ray.near[0]);
+        let near_y = load(y).times_less(ray.inverse[1], ray.near[1]);
+        let near_z = load(z).times_less(ray.inverse[2], ray.near[2]);
+        let far_x = load(x.neighbour()).times_less(ray.inverse[0], ray.far[0]);
+        let far_y = load(y.neighbour()).times_less(ray.inverse[1], ray.far[1]);
+        let far_z = load(z.neighbour()).times_less(ray.inverse[2], ray.far[2]);
         (
             near_x.max(near_y).max(near_z.max(ray.t_min)),
             far_x.min(far_y).min(far_z.min(t_max)),
@@ -172,12 +174,11 @@ impl Heading {
     pub const NONE: Self = Self(0);
 
     #[inline(always)]
-    pub fn of(ray: &PreparedRay) -> Self {
-        // Not the sign bits: a zero of either sign counts as going up.
-        Self::towards(ray.slab_terms().0)
+    pub fn of<S: Lanes<4>>(s: S, facing: &Facing<S>) -> Self {
+        Self(facing.down(s))
     }
 
-    /// Of a direction, or of its reciprocal.
+    /// Of a direction. Not the sign bits: a zero of either sign counts as going up.
     #[inline(always)]
     pub fn towards(d: Vec3) -> Self {
         let [x, y, z] = [d.x < 0.0, d.y < 0.0, d.z < 0.0].map(u32::from);
@@ -190,10 +191,16 @@ impl Heading {
         self.0 as usize & 7
     }
 
-    /// The row of the planes across an axis that are met first; the other one is its neighbour.
+    /// The row of the planes across an axis that are met first; the last ones are its neighbour.
     #[inline(always)]
-    fn row(self, axis: usize) -> usize {
-        2 * axis + (self.0 as usize >> axis & 1)
+    fn row<const N: usize>(self, axis: usize) -> Row<N, 6> {
+        Row::new(2 * axis + (self.0 as usize >> axis & 1))
+    }
+
+    /// Those rows of all axes.
+    #[inline(always)]
+    pub fn rows<const N: usize>(self) -> [Row<N, 6>; 3] {
+        [self.row(0), self.row(1), self.row(2)]
     }
 
     /// Whether the ray runs down an axis.
@@ -212,8 +219,8 @@ impl Heading {
     ) -> [F<S, N>; 2] {
         let near = self.row(axis);
         [
-            F::<S, N>::load(s, &node.planes[near]),
-            F::<S, N>::load(s, &node.planes[near ^ 1]),
+            F::<S, N>::load(s, node.planes.at(near)),
+            F::<S, N>::load(s, node.planes.at(near.neighbour())),
         ]
     }
 
@@ -221,7 +228,7 @@ impl Heading {
     #[inline(always)]
     pub fn plane<const N: usize>(self, node: &Node<N>, axis: usize, lane: usize) -> [f32; 2] {
         let near = self.row(axis);
-        [node.planes[near][lane], node.planes[near ^ 1][lane]]
+        [near, near.neighbour()].map(|row| node.planes.at(row)[lane])
     }
 }
 
@@ -231,28 +238,33 @@ pub struct WideRay<S: Lanes<N>, const N: usize> {
     near: [F<S, N>; 3],
     far: [F<S, N>; 3],
     t_min: F<S, N>,
-    heading: Heading,
+    /// Of the planes that it meets first.
+    rows: [Row<N, 6>; 3],
 }
 
 impl<S: Lanes<N>, const N: usize> WideRay<S, N> {
     #[inline(always)]
-    pub fn new(s: S, ray: &PreparedRay, heading: Heading) -> Self {
-        let (inverse, near, far) = ray.slab_terms();
+    pub fn new(
+        s: S,
+        [inverse, near, far]: [[f32; 4]; 3],
+        t_min: f32,
+        rows: [Row<N, 6>; 3],
+    ) -> Self {
         Self {
             inverse: splat::<S, N>(s, inverse),
             near: splat::<S, N>(s, near),
             far: splat::<S, N>(s, far),
-            t_min: F::<S, N>::splat(s, ray.t_min),
-            heading,
+            t_min: F::<S, N>::splat(s, t_min),
+            rows,
         }
     }
 }
 
 #[inline(always)]
-fn splat<S: Lanes<N>, const N: usize>(s: S, v: Vec3) -> [F<S, N>; 3] {
+fn splat<S: Lanes<N>, const N: usize>(s: S, [x, y, z, _]: [f32; 4]) -> [F<S, N>; 3] {
     [
-        F::<S, N>::splat(s, v.x),
-        F::<S, N>::splat(s, v.y),
-        F::<S, N>::splat(s, v.z),
+        F::<S, N>::splat(s, x),
+        F::<S, N>::splat(s, y),
+        F::<S, N>::splat(s, z),
     ]
 }

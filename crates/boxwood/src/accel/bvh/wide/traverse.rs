@@ -2,12 +2,16 @@
 
 use super::WideBvh;
 use super::node::{Child, Heading, WideRay};
+use crate::geometry::ray::Facing;
 use crate::geometry::triangle::block::{BlockRay, Stop};
 use crate::geometry::{PreparedRay, Ray};
 use crate::primitive::Primitives;
 use crate::query::{Counters, Query};
 use crate::simd::{F, Floats, Kernel, Lanes, Mask, Simd, Stack, U, Words};
 use core::ops::ControlFlow::{self, Break, Continue};
+
+/// Enough for 64 levels that each leave 15 of 16 children behind.
+const ROOM: usize = Stack::<0>::room(64, 16);
 
 /// One ray through the door.
 pub struct One<'a, P, Q, C, const N: usize> {
@@ -22,7 +26,7 @@ impl<P: Primitives, Q: Query, C: Counters, const N: usize> Kernel<N> for One<'_,
     #[inline(always)]
     fn run<S: Simd + Lanes<N>>(self, s: S) -> ControlFlow<Stop> {
         match PreparedRay::tame(s, self.ray, self.bvh.scale) {
-            Some(ray) => walk(s, self.bvh, &ray, self.query, self.counters),
+            Some((ray, facing)) => walk(s, self.bvh, &ray, &facing, self.query, self.counters),
             None => Break(Stop::Uncovered),
         }
     }
@@ -38,6 +42,7 @@ fn walk<S, P, Q, C, const N: usize>(
     s: S,
     bvh: &WideBvh<P, N>,
     ray: &PreparedRay,
+    facing: &Facing<S>,
     query: &mut Q,
     counters: &mut C,
 ) -> ControlFlow<Stop>
@@ -47,11 +52,11 @@ where
     Q: Query,
     C: Counters,
 {
-    let heading = Heading::of(ray);
-    let wide = WideRay::<S, N>::new(s, ray, heading);
+    let heading = Heading::of(s, facing);
+    let wide = WideRay::<S, N>::new(s, facing.slab_terms(), ray.t_min, heading.rows());
     let lanes = BlockRay::<S>::new(s, ray);
     let mut t_max = F::<S, N>::splat(s, query.t_max());
-    let mut stack = Stack::new();
+    let mut stack = Stack::<ROOM>::new();
     let mut current = bvh.root;
     loop {
         while !current.is_leaf() {
@@ -69,9 +74,11 @@ where
                 let order = U::<S, N>::from_nibbles(s, node.order(heading.octant()));
                 let (entry, exit) = (entry.permute(order), exit.permute(order));
                 let children = U::<S, N>::load(s, node.children()).permute(order);
-                stack.push::<S, N>(children, entry, entry.le(exit));
+                stack.top::<N>().push::<S>(children, entry, entry.le(exit));
             } else {
-                stack.push::<S, N>(U::<S, N>::load(s, node.children()), entry, entered);
+                stack
+                    .top::<N>()
+                    .push::<S>(U::<S, N>::load(s, node.children()), entry, entered);
             }
             match next(&mut stack, query) {
                 Some(child) => current = child,
@@ -92,7 +99,7 @@ where
 /// The next pending child that may still matter: one that is entered exactly at `t_max` may hold an equal hit of a lower
 /// primitive.
 #[inline(always)]
-fn next<Q: Query>(stack: &mut Stack, query: &Q) -> Option<Child> {
+fn next<Q: Query>(stack: &mut Stack<ROOM>, query: &Q) -> Option<Child> {
     loop {
         let (child, entry) = stack.pop()?;
         if entry <= query.t_max() {
