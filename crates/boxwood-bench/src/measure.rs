@@ -236,7 +236,7 @@ fn player<'a>(
         primitives_per_ray: None,
         disagreements: Disagreements::default(),
     };
-    if let Some(own) = built.own() {
+    if built.is_exact() {
         let wrong = (0..rays.len()).find(|&i| match question {
             Question::Closest => bits(hits[i]) != bits(expected[i]),
             Question::Occluded => occluded[i] != expected[i].is_some(),
@@ -247,6 +247,13 @@ fn player<'a>(
                 each.name, workload.kind
             )));
         }
+    } else {
+        turns.disagreements = match question {
+            Question::Closest => judge::closest(mesh, &rays, &expected, hits),
+            Question::Occluded => judge::occluded(mesh, &rays, &expected, occluded),
+        };
+    }
+    if let Some(own) = built.own() {
         // The steps of a single ray; batches take the same or others.
         if way == Way::Single {
             let mut stats = TraversalStats::default();
@@ -261,11 +268,6 @@ fn player<'a>(
             turns.leaves_per_ray = per_ray(stats.leaves);
             turns.primitives_per_ray = per_ray(stats.primitives);
         }
-    } else {
-        turns.disagreements = match question {
-            Question::Closest => judge::closest(mesh, &rays, &expected, hits),
-            Question::Occluded => judge::occluded(mesh, &rays, &expected, occluded),
-        };
     }
     Ok(Player { built, rays, turns })
 }

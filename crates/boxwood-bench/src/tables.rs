@@ -311,7 +311,7 @@ pub fn disagreements(report: &Report) -> Table {
     );
     let mut asked = 0;
     for view in report.series.chunk_by(same_view) {
-        let turns = || view.iter().flat_map(|s| &s.turns).filter(|t| !t.own);
+        let turns = || view.iter().flat_map(|s| &s.turns);
         let columns: Vec<Column> = turns().map(Column::of).collect();
         for column in distinct(columns.iter()) {
             let (mut sum, mut answers) = (Disagreements::default(), 0);

@@ -1,8 +1,8 @@
 //! Wide trees asked in all three ways, at every level of the machine: the bits of the judge.
 
 use boxwood::{
-    AllHits, BruteForce, Hit, Intersect, Isa, Query, Ray, SpatialSplit, Traverse, TriangleMesh,
-    Vec3, WideBvh, WideSah,
+    AllHits, BruteForce, Hit, Intersect, Isa, Precision, Query, Ray, SpatialSplit, Traverse,
+    TriangleMesh, Vec3, WideBvh, WideSah,
 };
 use boxwood_testkit::{Model, Random, shapes, soups};
 use std::ops::ControlFlow::{self, Continue};
@@ -288,4 +288,36 @@ fn extreme_trees_agree() {
             );
         }
     }
+}
+
+#[test]
+fn a_fast_tree_is_nearly_right() {
+    let mesh = shapes::sphere(60, 40).mesh();
+    let exact = WideSah::<16>::default().build(&mesh);
+    let settings = WideSah::<16> {
+        precision: Precision::Fast,
+        ..WideSah::default()
+    };
+    let fast = settings.build(&mesh);
+    let mut random = Random::new(9);
+    let rays: Vec<Ray> = (0..20_000)
+        .map(|_| Ray::new([0.0; 3], random.direction()))
+        .collect();
+    let mut batch = vec![None; rays.len()];
+    fast.closest_hits(&rays, &mut batch);
+    let near = |a: Option<Hit>, b: Option<Hit>| match (a, b) {
+        (Some(a), Some(b)) => (a.t - b.t).abs() <= 1.0e-5,
+        (a, b) => a.is_none() && b.is_none(),
+    };
+    let wrong = rays
+        .iter()
+        .zip(batch)
+        .filter(|(ray, together)| {
+            let right = exact.closest_hit(ray);
+            !near(fast.closest_hit(ray), right)
+                || !near(*together, right)
+                || fast.occluded(ray) != right.is_some()
+        })
+        .count();
+    assert!(wrong <= 2, "{wrong} of 20,000 answers are wrong");
 }

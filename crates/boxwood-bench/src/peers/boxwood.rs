@@ -6,7 +6,7 @@ use boxwood::{Hit, Intersect, Limits, Ray, StructureKind, TriangleMesh};
 use boxwood_render::build_structure;
 use std::time::Instant;
 
-struct Own<'a>(Box<dyn Intersect + 'a>);
+struct Own<'a>(Box<dyn Intersect + 'a>, StructureKind);
 
 impl Built for Own<'_> {
     fn ways(&self) -> &'static [Way] {
@@ -34,6 +34,9 @@ impl Built for Own<'_> {
     fn own(&self) -> Option<&dyn Intersect> {
         Some(&*self.0)
     }
+    fn is_exact(&self) -> bool {
+        self.1.is_exact()
+    }
 }
 
 pub fn build(kind: StructureKind, mesh: &TriangleMesh) -> Result<Finished<'_>, String> {
@@ -41,6 +44,6 @@ pub fn build(kind: StructureKind, mesh: &TriangleMesh) -> Result<Finished<'_>, S
     let structure = build_structure(kind, mesh, &Limits::NONE).map_err(|e| e.to_string())?;
     Ok(Finished {
         seconds: start.elapsed().as_secs_f64(),
-        built: Box::new(Own(structure)),
+        built: Box::new(Own(structure, kind)),
     })
 }

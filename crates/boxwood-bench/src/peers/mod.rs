@@ -73,6 +73,10 @@ pub trait Built: Send + Sync {
     fn own(&self) -> Option<&dyn Intersect> {
         None
     }
+    /// Whether every answer must have Boxwood's bits.
+    fn is_exact(&self) -> bool {
+        false
+    }
 }
 
 /// A structure, and the seconds its library took.

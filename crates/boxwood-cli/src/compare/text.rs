@@ -2,6 +2,7 @@
 
 use super::report::{Measured, Report, Structure, Sweep};
 use crate::terminal::{self, counted, grouped, seconds};
+use boxwood::StructureKind;
 
 /// Everything that is said on stdout.
 pub fn tables(report: &Report) -> String {
@@ -155,14 +156,29 @@ fn footnotes(report: &Report) -> String {
     }
     let sampled = sampled(report);
     if sampled.is_empty() {
-        notes.push("All structures gave the same bits for every ray.".to_string());
+        notes.push(format!("{} gave the same bits for every ray.", all(report)));
     } else {
         notes.push(format!(
-            "All structures gave the same bits for every ray they were asked; slow ones were asked a sample: {}.",
+            "{} gave the same bits for every ray they were asked; slow ones were asked a sample: {}.",
+            all(report),
             sampled.join(", ")
         ));
     }
     notes.join("\n")
+}
+
+/// Those that are held to each other's answers.
+pub fn all(report: &Report) -> &'static str {
+    let loose = |s: &Structure| {
+        s.structure
+            .parse()
+            .is_ok_and(|kind: StructureKind| !kind.is_exact())
+    };
+    if !report.structures.iter().any(loose) {
+        "All structures"
+    } else {
+        "All structures but those with precision=fast, which need not,"
+    }
 }
 
 /// Which rays asked for occlusion.

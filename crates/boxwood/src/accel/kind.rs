@@ -147,6 +147,16 @@ impl Default for StructureKind {
 }
 
 impl StructureKind {
+    /// Whether its answers have the bits of the exhaustive test. All have, but for wide trees with
+    /// [`Precision::Fast`](super::bvh::Precision::Fast).
+    pub fn is_exact(&self) -> bool {
+        match self {
+            Self::Wide8(wide) => wide.precision.is_exact(),
+            Self::Wide16(wide) => wide.precision.is_exact(),
+            _ => true,
+        }
+    }
+
     /// Builds the structure without limits. Pass `&mesh`, `Arc<mesh>` or the mesh itself.
     pub fn build<'a, P: Primitives + Send + Sync + 'a>(
         &self,

@@ -198,15 +198,21 @@ impl PreparedRay {
     /// Makes a ray ready for a scene whose largest |coordinate| is `scale`; `None` when it can hit nothing.
     #[inline]
     pub fn new(ray: &Ray, scale: f32) -> Option<Self> {
-        match Self::tame(Portable, ray, scale) {
+        match Self::tame(Portable, ray, scale, Self::SLACK) {
             None => Self::wild(ray, scale),
             Some((ready, _)) => Some(ready),
         }
     }
 
-    /// The same for a ray inside the doors; `None` for any other. Without a branch but that one, all axes at once.
+    /// The same for a ray inside the doors; `None` for any other. Without a branch but that one, all axes at once. The
+    /// slack is `slack` units large, by right [`Self::SLACK`].
     #[inline(always)]
-    pub(crate) fn tame<S: Lanes<4>>(s: S, ray: &Ray, scale: f32) -> Option<(Self, Facing<S>)> {
+    pub(crate) fn tame<S: Lanes<4>>(
+        s: S,
+        ray: &Ray,
+        scale: f32,
+        slack: f32,
+    ) -> Option<(Self, Facing<S>)> {
         let (o, d) = (&ray.origin, &ray.direction);
         // A comparison that fails for NaN, not `max`, which would lose it.
         let t_min = if ray.t_min < 0.0 { 0.0 } else { ray.t_min };
@@ -230,7 +236,7 @@ impl PreparedRay {
         let across = direction.permute(round);
         let shear = (across / across.permute(U::<S, 4>::from_nibbles(s, 0x2222))).to_array();
         let [reach, ..] = reach.to_array();
-        let slack = Self::SLACK * (scale + reach);
+        let slack = slack * (scale + reach);
         let floor = largest * F::<S, 4>::splat(s, Self::FLOOR);
         let facing = Facing::new(s, origin, direction, floor, slack);
         let first = |v: F<S, 4>| {

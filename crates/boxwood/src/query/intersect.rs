@@ -87,7 +87,7 @@ pub trait Intersect: Send + Sync {
 }
 
 /// Rays per chunk of a batch: enough to keep many in flight nearly all of the time, few enough for the second-level cache.
-const CHUNK: usize = 1024;
+const CHUNK: usize = 2048;
 
 impl<T: Traverse + Send + Sync> Intersect for T {
     fn bounds(&self) -> Aabb {
@@ -190,22 +190,17 @@ fn show<const ORDERED: bool, Q: Query>(
 }
 
 /// At most [`CHUNK`] rays through [`Traverse::traverse_each`].
-fn ask_each<Q: Query + Copy, A>(
+fn ask_each<Q: Query, A>(
     structure: &impl Traverse,
     rays: &[Ray],
     answers: &mut [A],
     question: impl Fn(&Ray) -> Q,
     answer: impl Fn(Q) -> A,
 ) {
-    let Some(first) = rays.first() else { return };
-    let mut queries = [question(first); CHUNK];
-    let queries = &mut queries[..rays.len()];
-    for (query, ray) in queries.iter_mut().zip(rays) {
-        *query = question(ray);
-    }
-    structure.traverse_each(rays, queries, &mut ());
+    let mut queries: Vec<Q> = rays.iter().map(question).collect();
+    structure.traverse_each(rays, &mut queries, &mut ());
     for (place, query) in answers.iter_mut().zip(queries) {
-        *place = answer(*query);
+        *place = answer(query);
     }
 }
 

@@ -12,7 +12,7 @@ mod table;
 
 use super::frontier::{break_even, frontier, places};
 use super::report::{Measured, Report};
-use super::text::sampled;
+use super::text::{all, sampled};
 use super::views::Pictures;
 use crate::terminal::{counted, grouped, seconds};
 use escape::Escaped;
@@ -162,11 +162,12 @@ fn notes(report: &Report) -> String {
     }
     let sampled = sampled(report);
     if sampled.is_empty() {
-        text += "Every structure gave the same bits for every ray.";
+        let _ = write!(text, "{} gave the same bits for every ray.", all(report));
     } else {
         let _ = write!(
             text,
-            "Every structure gave the same bits for every ray it was asked; slow ones were asked an even sample: {}.",
+            "{} gave the same bits for every ray they were asked; slow ones were asked an even sample: {}.",
+            all(report),
             Escaped(&sampled.join(", "))
         );
     }

@@ -80,9 +80,15 @@ impl TriangleBlock {
         let y0 = (F::<S, LANES>::load(s, &a[ky]) - oy) - sy * z0;
         let y1 = (F::<S, LANES>::load(s, &b[ky]) - oy) - sy * z1;
         let y2 = (F::<S, LANES>::load(s, &c[ky]) - oy) - sy * z2;
-        let u = difference_of_products(x2, y1, y2, x1);
-        let v = difference_of_products(x0, y2, y0, x2);
-        let w = difference_of_products(x1, y0, y1, x0);
+        let (u, v, w) = if lanes.exact {
+            (
+                difference_of_products(x2, y1, y2, x1),
+                difference_of_products(x0, y2, y0, x2),
+                difference_of_products(x1, y0, y1, x0),
+            )
+        } else {
+            (x2 * y1 - y2 * x1, x0 * y2 - y0 * x2, x1 * y0 - y1 * x0)
+        };
         let zero = F::<S, LANES>::splat(s, 0.0);
         // A NaN may get lost in `min` and `max`; it comes back in `t`.
         let inside = zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero);
@@ -139,6 +145,7 @@ fn difference_of_products<const N: usize, T: Floats<N>>(a: T, b: T, c: T, d: T) 
 pub struct BlockRay<'r, S: Lanes<LANES>> {
     pub ray: &'r PreparedRay,
     s: S,
+    exact: bool,
     /// Those of the ray.
     axes: [usize; 3],
     /// In the order of `axes`.
@@ -148,9 +155,9 @@ pub struct BlockRay<'r, S: Lanes<LANES>> {
 }
 
 impl<'r, S: Lanes<LANES>> BlockRay<'r, S> {
-    /// The ray must be [tame](PreparedRay::is_tame).
+    /// The ray must be [tame](PreparedRay::is_tame). Edges are met with the errors of their products if `exact`.
     #[inline(always)]
-    pub fn new(s: S, ray: &'r PreparedRay) -> Self {
+    pub fn new(s: S, ray: &'r PreparedRay, exact: bool) -> Self {
         let axes @ [kx, ky, kz] = ray.axes;
         // Here, and not at every triangle.
         assert!(kx < 3 && ky < 3 && kz < 3, "three axes");
@@ -158,6 +165,7 @@ impl<'r, S: Lanes<LANES>> BlockRay<'r, S> {
         Self {
             ray,
             s,
+            exact,
             axes,
             origin: [
                 F::<S, LANES>::splat(s, ray.origin[kx]),
@@ -176,6 +184,8 @@ impl<'r, S: Lanes<LANES>> BlockRay<'r, S> {
 
 /// Sixteen tame rays with the same axes.
 pub struct RayGroup<'a> {
+    /// Whether edges are met with the errors of their products.
+    pub exact: bool,
     pub axes: [usize; 3],
     /// In the order of `axes`.
     pub origin: [&'a [f32; RayGroup::LANES]; 3],
@@ -255,9 +265,15 @@ impl TriangleBlock {
         if (zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero)).bits() == 0 {
             return None;
         }
-        let u = difference_of_products(x2, y1, y2, x1);
-        let v = difference_of_products(x0, y2, y0, x2);
-        let w = difference_of_products(x1, y0, y1, x0);
+        let (u, v, w) = if rays.exact {
+            (
+                difference_of_products(x2, y1, y2, x1),
+                difference_of_products(x0, y2, y0, x2),
+                difference_of_products(x1, y0, y1, x0),
+            )
+        } else {
+            (u, v, w)
+        };
         let inside = zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero);
         let determinant = (u + v) + w;
         let r = splat(s, 1.0) / determinant;

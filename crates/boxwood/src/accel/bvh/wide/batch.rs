@@ -142,8 +142,9 @@ impl<const N: usize> Slot<N> {
         queries: &mut [Q],
         stack: &mut Stack<ROOM>,
     ) -> bool {
+        let slack = bvh.precision.slack();
         for (index, ray) in waiting {
-            if let Some((ray, facing)) = PreparedRay::tame(s, ray, bvh.scale) {
+            if let Some((ray, facing)) = PreparedRay::tame(s, ray, bvh.scale, slack) {
                 self.heading = Heading::of(s, &facing);
                 self.rows = self.heading.rows();
                 self.ray = ray;
@@ -196,7 +197,7 @@ impl<const N: usize> Slot<N> {
         query: &mut Q,
         stack: &mut Stack<ROOM>,
     ) {
-        let lanes = BlockRay::<S>::new(s, &self.ray);
+        let lanes = BlockRay::<S>::new(s, &self.ray, bvh.precision.is_exact());
         let blocks = self.current.blocks();
         let shown = bvh
             .leaves

@@ -1,6 +1,6 @@
 //! Builders of wide trees by name.
 
-use super::WideBvh;
+use super::{Precision, WideBvh};
 use crate::accel::bvh::{BinnedSah, Refine};
 use crate::accel::limits::{Limits, unlimited};
 use crate::accel::settings::{Setting, Settings, Value};
@@ -24,6 +24,8 @@ pub struct WideSah<const N: usize> {
     pub refine: Refine,
     /// What the tree is walked with.
     pub isa: Isa,
+    /// How exactly boxes and triangles are met.
+    pub precision: Precision,
 }
 
 impl<const N: usize> Default for WideSah<N> {
@@ -33,6 +35,7 @@ impl<const N: usize> Default for WideSah<N> {
             axes: Axes::XYZ,
             refine: Refine::NONE,
             isa: Isa::best(),
+            precision: Precision::Exact,
         }
     }
 }
@@ -77,7 +80,9 @@ where
             watch: Some(&|share| watch(TREE + (1.0 - TREE) * share)),
             ..*limits
         };
-        Ok(WideBvh::within(primitives, &tree, &rest)?.with_isa(self.isa))
+        Ok(WideBvh::within(primitives, &tree, &rest)?
+            .with_isa(self.isa)
+            .with_precision(self.precision))
     }
 }
 
@@ -94,6 +99,18 @@ impl Value for &mut Isa {
     }
 }
 
+impl Value for &mut Precision {
+    fn read(&mut self, text: &str) -> bool {
+        text.parse().map(|precision| **self = precision).is_ok()
+    }
+    fn write(&self) -> String {
+        self.to_string()
+    }
+    fn expected(&self) -> String {
+        "exact|fast".into()
+    }
+}
+
 /// Which share of the work is done when the binary tree is.
 const TREE: f32 = 0.75;
 
@@ -106,6 +123,7 @@ macro_rules! named {
                     Setting::count("bins", &mut self.bins, 2..=64),
                     Setting::axes(&mut self.axes),
                     Setting::new("isa", &mut self.isa),
+                    Setting::new("precision", &mut self.precision),
                 ]);
                 all.extend(self.refine.settings());
                 all

@@ -16,10 +16,12 @@ mod leaf;
 mod node;
 mod packet;
 mod plan;
+mod precision;
 mod scalar;
 mod traverse;
 
 pub use build::WideSah;
+pub use precision::{Precision, UnknownPrecision};
 
 use crate::accel::limits::{Limits, Site, unlimited};
 use crate::accel::{BuildError, bvh::tree::BinaryTree};
@@ -53,6 +55,7 @@ pub struct WideBvh<P, const N: usize> {
     /// Whether some primitives lie in several leaves, each of which holds a part of them.
     cut: bool,
     isa: Isa,
+    precision: Precision,
     /// How many nodes lie above the deepest leaf.
     depth: usize,
 }
@@ -102,6 +105,7 @@ where
             nodes,
             leaves,
             isa: Isa::best(),
+            precision: Precision::Exact,
             depth,
         })
     }
@@ -110,6 +114,12 @@ where
     #[must_use]
     pub fn with_isa(self, isa: Isa) -> Self {
         Self { isa, ..self }
+    }
+
+    /// The same tree, looked at so exactly.
+    #[must_use]
+    pub fn with_precision(self, precision: Precision) -> Self {
+        Self { precision, ..self }
     }
 
     /// The primitives.
@@ -138,7 +148,7 @@ where
     /// Runs of rays that run together as packets, all others as one batch each.
     fn many<Q: Query>(&self, mut rays: &[Ray], mut queries: &mut [Q]) {
         let level = self.isa.level();
-        let mut packet = packet::Packet::for_depth::<N>(self.depth);
+        let mut packet = packet::Packet::for_depth::<N>(self.depth, self.precision);
         let mut apart = 0;
         let mut wait = 0;
         while P::TRIANGLES && rays.len() - apart >= FEW {

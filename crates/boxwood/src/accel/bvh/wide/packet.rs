@@ -12,6 +12,7 @@
 
 use super::WideBvh;
 use super::node::{Child, Heading, Node};
+use super::precision::Precision;
 use crate::geometry::triangle::block::{RayGroup, TriangleBlock};
 use crate::geometry::{PreparedRay, Ray};
 use crate::primitive::Primitives;
@@ -62,6 +63,7 @@ pub struct Packet {
     /// Below every `t_min` for a ray that asks no more.
     t_max: Row,
     heading: Heading,
+    precision: Precision,
     axes: [usize; 3],
     /// The ranges of `1 / direction`.
     least_inverse: [f32; 3],
@@ -85,7 +87,7 @@ const MOST_STEPS: usize = 4 * RAYS;
 
 impl Packet {
     /// For a tree of such a depth.
-    pub fn for_depth<const N: usize>(depth: usize) -> Self {
+    pub fn for_depth<const N: usize>(depth: usize, precision: Precision) -> Self {
         let height = depth * (N - 1) + 1 + N;
         Self {
             origin: [ROW; 3],
@@ -96,6 +98,7 @@ impl Packet {
             t_min: ROW,
             t_max: ROW,
             heading: Heading::NONE,
+            precision,
             axes: [0; 3],
             least_inverse: [0.0; 3],
             most_inverse: [0.0; 3],
@@ -162,16 +165,8 @@ impl Packet {
                 load(s, &directions[1][group]),
                 load(s, &directions[2][group]),
             ];
-            let size = [
-                d[0].max(zero - d[0]),
-                d[1].max(zero - d[1]),
-                d[2].max(zero - d[2]),
-            ];
-            let distance = [
-                o[0].max(zero - o[0]),
-                o[1].max(zero - o[1]),
-                o[2].max(zero - o[2]),
-            ];
+            let size = [d[0].abs(), d[1].abs(), d[2].abs()];
+            let distance = [o[0].abs(), o[1].abs(), o[2].abs()];
             let [kx, ky, kz] = self.axes;
             let t_min = zero.max(load(s, &self.t_min[group]));
             // The second one where the ray's is NaN: no comparison then holds.
@@ -201,7 +196,7 @@ impl Packet {
                 return false;
             }
             let reach = distance[0].max(distance[1]).max(distance[2]);
-            let slack = splat(s, PreparedRay::SLACK) * (splat(s, scale) + reach);
+            let slack = splat(s, self.precision.slack()) * (splat(s, scale) + reach);
             let floor = splat(s, PreparedRay::FLOOR) * size[kz];
             for k in 0..3 {
                 let raised = if self.heading.is_down(k) {
@@ -210,7 +205,7 @@ impl Packet {
                     d[k].max(floor)
                 };
                 let inverse = one / raised;
-                let pad = inverse.max(zero - inverse) * slack;
+                let pad = inverse.abs() * slack;
                 let at = o[k] * inverse;
                 self.inverse[k][group] = inverse.to_array();
                 self.near[k][group] = (at + pad).to_array();
@@ -457,6 +452,7 @@ impl Packet {
         queries: &mut [Q],
     ) -> bool {
         let rays = RayGroup {
+            exact: self.precision.is_exact(),
             axes: self.axes,
             origin: [
                 &self.origin[0][group],

@@ -25,7 +25,7 @@ impl<P: Primitives, Q: Query, C: Counters, const N: usize> Kernel<N> for One<'_,
     type Output = ControlFlow<Stop>;
     #[inline(always)]
     fn run<S: Simd + Lanes<N>>(self, s: S) -> ControlFlow<Stop> {
-        match PreparedRay::tame(s, self.ray, self.bvh.scale) {
+        match PreparedRay::tame(s, self.ray, self.bvh.scale, self.bvh.precision.slack()) {
             Some((ray, facing)) => walk(s, self.bvh, &ray, &facing, self.query, self.counters),
             None => Break(Stop::Uncovered),
         }
@@ -54,7 +54,7 @@ where
 {
     let heading = Heading::of(s, facing);
     let wide = WideRay::<S, N>::new(s, facing.slab_terms(), ray.t_min, heading.rows());
-    let lanes = BlockRay::<S>::new(s, ray);
+    let lanes = BlockRay::<S>::new(s, ray, bvh.precision.is_exact());
     let mut t_max = F::<S, N>::splat(s, query.t_max());
     let mut stack = Stack::<ROOM>::new();
     let mut current = bvh.root;
