@@ -14,6 +14,10 @@ test:
 architectures:
     cargo run --release -p boxwood-testkit --example architectures
 
+# A billion adversarial rays at the wide trees, by every way of asking and every instruction set, against the judge; resumable.
+adversary *options:
+    cargo run --release -p boxwood-testkit --example adversary -- {{options}}
+
 # Licences, advisories and sources of the dependencies.
 deny:
     cargo deny check

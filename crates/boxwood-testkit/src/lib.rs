@@ -7,6 +7,7 @@
 //! *Cost.* The ordinary run of all tests takes seconds; `BOXWOOD_TEST_RAYS=20` asks 20 times as many rays.
 #![forbid(unsafe_code)]
 
+pub mod adversary;
 pub mod agreement;
 pub mod bytes;
 pub mod oracle;

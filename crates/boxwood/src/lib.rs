@@ -35,6 +35,8 @@ pub mod plane;
 pub mod primitive;
 pub mod query;
 mod simd;
+#[cfg(feature = "parallel")]
+mod threads;
 
 pub use accel::boxes::{BoundingBoxes, ObjectBoxes};
 pub use accel::brute_force::BruteForce;
@@ -61,4 +63,6 @@ pub use query::{
     AllHits, Closest, Counters, Filter, FirstHits, Intersect, Occluded, Query, Seen, Step,
     TraversalStats, Traverse, Verdict,
 };
-pub use simd::{Isa, UnknownIsa};
+#[doc(hidden)]
+pub use simd::carelessly;
+pub use simd::{Isa, UnknownIsa, exactly};

@@ -2,9 +2,10 @@
 
 use boxwood::accel::bvh::MAX_DEPTH;
 use boxwood::{
-    BinaryTree, BinnedSah, Bvh, EqualCounts, Hit, Intersect, Lbvh, Median, Middle, Ploc, Ray,
-    SpatialSplit, SweepSah, TraversalStats, TriangleMesh, inspect,
+    BinaryTree, BinnedSah, BruteForce, Bvh, EqualCounts, Hit, Intersect, Lbvh, Median, Middle,
+    Ploc, Ray, SpatialSplit, SweepSah, TraversalStats, TriangleMesh, inspect,
 };
+use boxwood_testkit::rays::{KINDS, Targets, sample};
 use boxwood_testkit::{Random, agreement, effort, soups, structures};
 
 /// The trees of all builders, looked at closely.
@@ -239,4 +240,23 @@ fn a_triangle_at_any_ordinary_size_is_hit() {
             assert!(expected.is_none() || hit.is_some(), "{name} at 2^{power}");
         }
     }
+}
+
+/// Where floats are as coarse as the cells of a grid.
+#[test]
+fn subnormal_scenes_agree() {
+    let mut hits = 0;
+    for seed in 0..effort(6) as u64 {
+        let mut random = Random::new(seed);
+        let scale = random.pick(&[1.0e-37, 1.0e-39, 1.0e-41, 1.0e-43]);
+        let soup = soups::random(30, &mut random).with(&soups::slivers(20, &mut random));
+        let mesh = soup.placed(scale, 0.0).mesh();
+        let (judge, targets) = (BruteForce::new(&mesh), Targets::of_mesh(&mesh));
+        let mut rays = Vec::new();
+        for (_, kind) in KINDS {
+            rays.extend(sample(kind, 3, &targets, &judge, &mut random));
+        }
+        hits += agreement::check(&mesh, &rays, &format!("{scale:e}, seed {seed}")).hits;
+    }
+    assert!(hits > 20, "{hits} hits test nothing");
 }

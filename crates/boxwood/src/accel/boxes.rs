@@ -18,6 +18,7 @@ use crate::geometry::{Aabb, PreparedRay, Ray};
 use crate::inspect::{Cell, Statistics};
 use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Intersect, Query, Step, Traverse, Verdict};
+use crate::simd::exactly;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -62,6 +63,14 @@ impl ObjectBoxes {
     /// # Errors
     /// When the limits end the build.
     pub fn build_within(
+        &self,
+        primitives: &impl Primitives,
+        limits: &Limits<'_>,
+    ) -> Result<Objects, BuildError> {
+        exactly(|| self.objects(primitives, limits))
+    }
+
+    fn objects(
         &self,
         primitives: &impl Primitives,
         limits: &Limits<'_>,

@@ -9,6 +9,7 @@ use crate::geometry::{Aabb, PreparedRay, Ray};
 use crate::inspect::Statistics;
 use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Intersect, Query, Traverse};
+use crate::simd::exactly;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
@@ -22,7 +23,7 @@ pub struct BruteForce<P> {
 impl<P: Primitives> BruteForce<P> {
     /// Looks at every primitive once, for the bounds.
     pub fn new(primitives: P) -> Self {
-        let bounds = primitive::bounds_of(&primitives);
+        let bounds = exactly(|| primitive::bounds_of(&primitives));
         Self { primitives, bounds }
     }
 }

@@ -18,7 +18,7 @@ use alloc::vec::Vec;
 use core::ops::ControlFlow::{self, Continue};
 use core::ops::Range;
 #[cfg(feature = "parallel")]
-use rayon::prelude::*;
+use {crate::threads::Exactly, rayon::prelude::*};
 
 /// The space that some primitives take.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +62,7 @@ impl Space {
             part
         };
         #[cfg(feature = "parallel")]
-        let looked: Vec<_> = (0..parts).into_par_iter().map(part).collect();
+        let looked: Vec<_> = (0..parts).into_par_iter().exactly().map(part).collect();
         #[cfg(not(feature = "parallel"))]
         let looked: Vec<_> = (0..parts).map(part).collect();
         let mut space = Self::NOWHERE;

@@ -3,6 +3,9 @@
 use super::{AllHits, Closest, FirstHits, Occluded, Query, Seen, TraversalStats, Traverse};
 use crate::geometry::{Aabb, Hit, Ray};
 use crate::inspect::{Cell, Event, Explained, Statistics};
+use crate::simd::exactly;
+#[cfg(feature = "parallel")]
+use crate::threads::Exactly;
 use alloc::vec::Vec;
 use core::ops::ControlFlow::{self, Break, Continue};
 #[cfg(feature = "parallel")]
@@ -12,6 +15,9 @@ use rayon::prelude::*;
 ///
 /// The queries in it are a closed set: that bounds how many loops are compiled. A question outside the set goes through
 /// [`Intersect::visit`] or, when the type is known, through [`Traverse`].
+///
+/// Everything here is answered in the float mode that exact answers need, whatever mode the caller's thread is in (see
+/// [`exactly`](crate::exactly)); so closures that are passed in run in it too.
 ///
 /// The batch calls take slices of rays and run in the caller's rayon pool (`pool.install(|| …)` chooses another one, a
 /// pool of one thread included) when the feature `parallel` is on; the answers do not depend on the threads.
@@ -60,15 +66,17 @@ pub trait Intersect: Send + Sync {
     /// The nearest hit that `keep` accepts: cut-outs, back-face culling. `keep` may be asked about any hit in the
     /// interval, in any order, so it must not depend on what it was asked before.
     fn closest_hit_where(&self, ray: &Ray, keep: &mut dyn FnMut(&Hit) -> bool) -> Option<Hit> {
-        let mut query = Closest::new(ray);
-        self.visit(ray, &mut |hit| {
-            if keep(&hit) {
-                query.offer(hit).map_continue(|()| query.t_max())
-            } else {
-                Continue(query.t_max())
-            }
-        });
-        query.hit()
+        exactly(|| {
+            let mut query = Closest::new(ray);
+            self.visit(ray, &mut |hit| {
+                if keep(&hit) {
+                    query.offer(hit).map_continue(|()| query.t_max())
+                } else {
+                    Continue(query.t_max())
+                }
+            });
+            query.hit()
+        })
     }
 
     /// Is anything that `keep` accepts in the ray's interval?
@@ -94,58 +102,62 @@ impl<T: Traverse + Send + Sync> Intersect for T {
         Traverse::bounds(self)
     }
     fn statistics(&self) -> Statistics {
-        Traverse::statistics(self)
+        exactly(|| Traverse::statistics(self))
     }
     fn cells(&self, show: &mut dyn FnMut(&Cell<'_>)) {
-        Traverse::cells(self, show);
+        exactly(|| Traverse::cells(self, show));
     }
     fn explain(&self, ray: &Ray) -> Vec<Event> {
         let explained = Explained::default();
         let query = explained.query(Closest::new(ray));
-        ask(self, ray, query, &mut explained.counters());
+        exactly(|| ask(self, ray, query, &mut explained.counters()));
         explained.events()
     }
     fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        ask(self, ray, Closest::new(ray), &mut ()).hit()
+        exactly(|| ask(self, ray, Closest::new(ray), &mut ()).hit())
     }
     fn occluded(&self, ray: &Ray) -> bool {
-        ask(self, ray, Occluded::new(ray), &mut ()).found()
+        exactly(|| ask(self, ray, Occluded::new(ray), &mut ()).found())
     }
     fn all_hits(&self, ray: &Ray) -> Vec<Hit> {
-        show::<true, _>(self, ray, AllHits::new(ray), &mut ()).sorted()
+        exactly(|| show::<true, _>(self, ray, AllHits::new(ray), &mut ()).sorted())
     }
     fn first_hits(&self, ray: &Ray, k: usize) -> Vec<Hit> {
-        show::<true, _>(self, ray, FirstHits::new(ray, k), &mut ()).sorted()
+        exactly(|| show::<true, _>(self, ray, FirstHits::new(ray, k), &mut ()).sorted())
     }
     fn closest_hit_counted(&self, ray: &Ray, stats: &mut TraversalStats) -> Option<Hit> {
-        show::<true, _>(self, ray, Closest::new(ray), stats).hit()
+        exactly(|| show::<true, _>(self, ray, Closest::new(ray), stats).hit())
     }
     fn occluded_counted(&self, ray: &Ray, stats: &mut TraversalStats) -> bool {
-        show::<false, _>(self, ray, Occluded::new(ray), stats).found()
+        exactly(|| show::<false, _>(self, ray, Occluded::new(ray), stats).found())
     }
     fn all_hits_counted(&self, ray: &Ray, stats: &mut TraversalStats) -> Vec<Hit> {
-        show::<true, _>(self, ray, AllHits::new(ray), stats).sorted()
+        exactly(|| show::<true, _>(self, ray, AllHits::new(ray), stats).sorted())
     }
     fn closest_hit_seen(&self, ray: &Ray, mask: u32, time: f32) -> Option<Hit> {
-        let inner = Closest::new(ray);
-        show::<true, _>(self, ray, Seen { inner, mask, time }, &mut ())
-            .inner
-            .hit()
+        exactly(|| {
+            let inner = Closest::new(ray);
+            let seen = show::<true, _>(self, ray, Seen { inner, mask, time }, &mut ());
+            seen.inner.hit()
+        })
     }
     fn occluded_seen(&self, ray: &Ray, mask: u32, time: f32) -> bool {
-        let inner = Occluded::new(ray);
-        show::<true, _>(self, ray, Seen { inner, mask, time }, &mut ())
-            .inner
-            .found()
+        exactly(|| {
+            let inner = Occluded::new(ray);
+            let seen = show::<true, _>(self, ray, Seen { inner, mask, time }, &mut ());
+            seen.inner.found()
+        })
     }
     fn visit(&self, ray: &Ray, visit: &mut dyn FnMut(Hit) -> ControlFlow<(), f32>) {
-        let mut query = Visit::<true> {
-            t_max: ray.end(),
-            mask: u32::MAX,
-            time: 0.0,
-            visit,
-        };
-        self.traverse(ray, &mut query, &mut ());
+        exactly(|| {
+            let mut query = Visit::<true> {
+                t_max: ray.end(),
+                mask: u32::MAX,
+                time: 0.0,
+                visit,
+            };
+            self.traverse(ray, &mut query, &mut ());
+        });
     }
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len(), "one hit per ray");
@@ -213,11 +225,13 @@ fn each_chunk<A: Send>(
     #[cfg(feature = "parallel")]
     rays.par_chunks(CHUNK)
         .zip(answers.par_chunks_mut(CHUNK))
+        .exactly()
         .for_each(|(rays, answers)| work(rays, answers));
     #[cfg(not(feature = "parallel"))]
-    rays.chunks(CHUNK)
-        .zip(answers.chunks_mut(CHUNK))
-        .for_each(|(rays, answers)| work(rays, answers));
+    exactly(|| {
+        let chunks = rays.chunks(CHUNK).zip(answers.chunks_mut(CHUNK));
+        chunks.for_each(|(rays, answers)| work(rays, answers));
+    });
 }
 
 /// A query whose mind is a closure.

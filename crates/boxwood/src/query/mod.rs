@@ -59,6 +59,10 @@ impl<Q: Query> Query for &mut Q {
 }
 
 /// The one thing a structure writes.
+///
+/// Only the loop: it relies on the float mode that Rust takes for granted, and does not look at the thread's. Who calls it
+/// himself on threads that flush subnormal numbers to zero does so within [`exactly`](crate::exactly); [`Intersect`] always
+/// does.
 pub trait Traverse {
     /// Around all primitives; [`Aabb::EMPTY`] when there are none.
     fn bounds(&self) -> Aabb;

@@ -18,6 +18,7 @@ use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 mod avx2;
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 mod avx512;
+mod environment;
 mod isa;
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 mod neon;
@@ -36,6 +37,7 @@ mod stack;
 #[cfg(test)]
 mod tests;
 
+pub use environment::{carelessly, exactly};
 pub use isa::{Isa, UnknownIsa};
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 pub use neon::Neon;

@@ -16,6 +16,9 @@ use crate::accel::{Axes, BuildError, Limits};
 use crate::geometry::Aabb;
 use crate::primitive::Primitives;
 use crate::query::Intersect;
+use crate::simd::exactly;
+#[cfg(feature = "parallel")]
+use crate::threads;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
@@ -69,6 +72,14 @@ impl BspSah {
     /// # Errors
     /// When the limits end the build.
     pub fn build_within<P: Primitives + Sync>(
+        &self,
+        primitives: &P,
+        limits: &Limits<'_>,
+    ) -> Result<BspData, BuildError> {
+        exactly(|| self.tree(primitives, limits))
+    }
+
+    fn tree<P: Primitives + Sync>(
         &self,
         primitives: &P,
         limits: &Limits<'_>,
@@ -342,7 +353,7 @@ impl<P: Primitives + Sync> Work<'_, P> {
     fn both(&self, count: usize, [below, above]: [impl FnOnce() -> Part + Send; 2]) -> [Part; 2] {
         #[cfg(feature = "parallel")]
         if self.parallel && count > SEQUENTIAL {
-            return rayon::join(below, above).into();
+            return threads::join(below, above).into();
         }
         let _ = count;
         [below(), above()]

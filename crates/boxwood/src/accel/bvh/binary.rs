@@ -14,9 +14,10 @@ use crate::geometry::{Aabb, PreparedRay, Ray};
 use crate::inspect::{self, Cell, Statistics, TreeFlaw};
 use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Query, Step, Traverse, Verdict};
+use crate::simd::exactly;
 use alloc::vec::Vec;
 #[cfg(feature = "parallel")]
-use rayon::prelude::*;
+use {crate::threads::Exactly, rayon::prelude::*};
 
 /// A binary hierarchy over owned, borrowed or shared primitives.
 #[derive(Clone, Debug)]
@@ -81,8 +82,8 @@ impl<P: Primitives> Bvh<P> {
         };
         let pairs = 0..nodes.len() / 2;
         #[cfg(feature = "parallel")]
-        let pairs = pairs.into_par_iter().with_min_len(1024);
-        let pairs = pairs.map(pair).collect();
+        let pairs = pairs.into_par_iter().with_min_len(1024).exactly();
+        let pairs = exactly(|| pairs.map(pair).collect());
         Self {
             primitives,
             bounds: nodes.first().map_or(Aabb::EMPTY, |root| root.bounds),

@@ -14,6 +14,7 @@ use crate::accel::settings::{Setting, Settings};
 use crate::accel::{Axes, BuildError, Limits};
 use crate::primitive::Primitives;
 use crate::query::Intersect;
+use crate::simd::exactly;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
@@ -60,6 +61,14 @@ impl GridBuilder {
     /// # Errors
     /// When the limits end the build.
     pub fn build_within(
+        &self,
+        primitives: &(impl Primitives + Sync),
+        limits: &Limits<'_>,
+    ) -> Result<Grid, BuildError> {
+        exactly(|| self.grid(primitives, limits))
+    }
+
+    fn grid(
         &self,
         primitives: &(impl Primitives + Sync),
         limits: &Limits<'_>,

@@ -134,11 +134,16 @@ impl Lattice {
     }
 }
 
-/// Rounded to a float where that is finite, because the walk of a tame ray reads it as one. What is lost is less than the
-/// errors of the crossings that it allows for.
+/// Rounded to a float, because the walk of a tame ray reads it as one. What is lost is less than the errors of the crossings
+/// that it allows for. Not where floats are infinite or subnormal: a size that is rounded on their coarse grid, times the
+/// number of cells, would leave out the end of a scene that is itself so small.
 fn float(x: f64) -> f64 {
-    let rounded = f64::from(x as f32);
-    if rounded.is_finite() { rounded } else { x }
+    let rounded = x as f32;
+    if rounded.is_normal() {
+        f64::from(rounded)
+    } else {
+        x
+    }
 }
 
 fn count(parts: [u32; 3]) -> u64 {

@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 use core::ops::ControlFlow::{self, Break, Continue};
 use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 #[cfg(feature = "parallel")]
-use rayon::prelude::*;
+use {crate::threads::Exactly, rayon::prelude::*};
 
 /// So many primitives are put into their cells by one thread at a time.
 const TOGETHER: usize = 256;
@@ -110,7 +110,7 @@ pub(crate) fn register<P: Primitives + Sync>(
     };
     let numbers = 0..n.div_ceil(TOGETHER);
     #[cfg(feature = "parallel")]
-    let parts: Vec<_> = numbers.into_par_iter().map(part).collect();
+    let parts: Vec<_> = numbers.into_par_iter().exactly().map(part).collect();
     #[cfg(not(feature = "parallel"))]
     let parts: Vec<_> = numbers.map(part).collect();
     if failed.into_inner() {

@@ -12,7 +12,7 @@ use crate::accel::limits::Site;
 use alloc::vec::Vec;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 #[cfg(feature = "parallel")]
-use rayon::prelude::*;
+use {crate::threads::Exactly, rayon::prelude::*};
 
 /// References by ranges of cells, and in each by primitives.
 pub(super) struct Sorted {
@@ -168,7 +168,7 @@ pub(super) fn every<T: Send, R: Send>(
     what: impl Fn(T) -> R + Sync + Send,
 ) -> Vec<R> {
     #[cfg(feature = "parallel")]
-    return items.into_par_iter().map(what).collect();
+    return items.into_par_iter().exactly().map(what).collect();
     #[cfg(not(feature = "parallel"))]
     return items.into_iter().map(what).collect();
 }
@@ -176,7 +176,11 @@ pub(super) fn every<T: Send, R: Send>(
 /// A list of so many, written by as many threads as there are.
 pub(super) fn filled_with<T: Send>(count: usize, with: impl Fn() -> T + Sync + Send) -> Vec<T> {
     #[cfg(feature = "parallel")]
-    return (0..count).into_par_iter().map(|_| with()).collect();
+    return (0..count)
+        .into_par_iter()
+        .exactly()
+        .map(|_| with())
+        .collect();
     #[cfg(not(feature = "parallel"))]
     return (0..count).map(|_| with()).collect();
 }

@@ -30,6 +30,7 @@ pub use build::{AxisRule, KdLecture, KdSah, PlaneRule};
 pub use node::{MAX_DEPTH, Partition};
 
 use crate::primitive::Primitives;
+use crate::simd::exactly;
 
 /// A kd-tree over owned, borrowed or shared primitives.
 #[derive(Clone, Debug)]
@@ -52,7 +53,7 @@ impl<P: Primitives> KdTree<P> {
             "a partition for other primitives"
         );
         Self {
-            scale: partition.space.bounds.scale(),
+            scale: exactly(|| partition.space.bounds.scale()),
             primitives,
             partition,
         }

@@ -9,6 +9,7 @@ use crate::accel::settings::{Setting, Settings};
 use crate::accel::{Axes, BuildError, Limits};
 use crate::primitive::Primitives;
 use crate::query::Intersect;
+use crate::simd::exactly;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
@@ -62,6 +63,14 @@ impl OctreeBuilder {
     /// # Errors
     /// When the limits end the build.
     pub fn build_within<P: Primitives + Sync>(
+        &self,
+        primitives: &P,
+        limits: &Limits<'_>,
+    ) -> Result<OctreeData, BuildError> {
+        exactly(|| self.tree(primitives, limits))
+    }
+
+    fn tree<P: Primitives + Sync>(
         &self,
         primitives: &P,
         limits: &Limits<'_>,

@@ -15,7 +15,7 @@ use crate::geometry::Aabb;
 use crate::primitive::Primitives;
 use alloc::vec::Vec;
 #[cfg(feature = "parallel")]
-use rayon::prelude::*;
+use {crate::threads::Exactly, rayon::prelude::*};
 
 /// A cell with fewer primitives is built by one thread.
 #[cfg(feature = "parallel")]
@@ -124,6 +124,7 @@ impl<P: Primitives + Sync> Work<'_, P> {
             let parts: Vec<Part> = octants
                 .collect::<Vec<_>>()
                 .into_par_iter()
+                .exactly()
                 .map(|octant| {
                     let mut below = Part::default();
                     let mut mine = Vec::new();
@@ -198,7 +199,7 @@ impl<P: Primitives + Sync> Work<'_, P> {
         let units = cell.units / 4 / chunks;
         #[cfg(feature = "parallel")]
         if self.parallel && items.len() > 4 * CHUNK {
-            masks.par_extend(items.par_chunks(CHUNK).flat_map_iter(|items| {
+            masks.par_extend(items.par_chunks(CHUNK).exactly().flat_map_iter(|items| {
                 self.site.advance(units);
                 items.iter().map(mask)
             }));

@@ -17,10 +17,11 @@ use crate::geometry::Aabb;
 use crate::math;
 use crate::primitive::Primitives;
 use crate::query::Intersect;
+use crate::simd::exactly;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 #[cfg(feature = "parallel")]
-use rayon::prelude::*;
+use {crate::threads::Exactly, rayon::prelude::*};
 
 /// The builder of [`TwoLevelGrid`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,6 +73,14 @@ impl TwoLevelGridBuilder {
     /// # Errors
     /// When the limits end the build.
     pub fn build_within(
+        &self,
+        primitives: &(impl Primitives + Sync),
+        limits: &Limits<'_>,
+    ) -> Result<GridOfGrids, BuildError> {
+        exactly(|| self.grid(primitives, limits))
+    }
+
+    fn grid(
         &self,
         primitives: &(impl Primitives + Sync),
         limits: &Limits<'_>,
@@ -228,7 +237,7 @@ impl<P: Primitives + Sync> Work<'_, P> {
             }
         };
         #[cfg(feature = "parallel")]
-        references.par_iter_mut().for_each(move_inside);
+        references.par_iter_mut().exactly().for_each(move_inside);
         #[cfg(not(feature = "parallel"))]
         references.iter_mut().for_each(move_inside);
         if self.site.is_over() {

@@ -4,7 +4,7 @@ use crate::geometry::{Aabb, Vec3};
 use crate::primitive::Primitives;
 use alloc::vec::Vec;
 #[cfg(feature = "parallel")]
-use {super::top_down::SEQUENTIAL, rayon::prelude::*};
+use {super::top_down::SEQUENTIAL, crate::threads::Exactly, rayon::prelude::*};
 
 /// A box as four lanes of lower planes and four of negated upper ones: all of it grows by one minimum. The fourth lane of
 /// each row says nothing.
@@ -119,6 +119,7 @@ impl Item {
         if items.len() > 8 * SEQUENTIAL {
             return items
                 .par_chunks(SEQUENTIAL)
+                .exactly()
                 .map(Self::around_middles)
                 .reduce(|| Sides::EMPTY, |a, b| a.around(&b));
         }
@@ -143,7 +144,8 @@ pub(super) fn items(primitives: &(impl Primitives + Sync)) -> Vec<Item> {
     #[cfg(feature = "parallel")]
     if primitives.len() > SEQUENTIAL {
         let all = (0..primitives.len()).into_par_iter();
-        return all.with_min_len(SEQUENTIAL / 4).map(item).collect();
+        let all = all.with_min_len(SEQUENTIAL / 4).exactly();
+        return all.map(item).collect();
     }
     (0..primitives.len()).map(item).collect()
 }

@@ -24,7 +24,7 @@ use crate::primitive::Primitives;
 use alloc::vec::Vec;
 use core::marker::PhantomData;
 #[cfg(feature = "parallel")]
-use rayon::prelude::*;
+use {crate::threads::Exactly, rayon::prelude::*};
 
 /// The builder along a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,6 +90,7 @@ pub(super) fn along_curve(
     #[cfg(feature = "parallel")]
     let around = unsorted
         .par_chunks(SEQUENTIAL)
+        .exactly()
         .map(finite)
         .reduce(|| Aabb::EMPTY, Aabb::union);
     #[cfg(not(feature = "parallel"))]
@@ -100,7 +101,7 @@ pub(super) fn along_curve(
         id: item.id(),
     };
     #[cfg(feature = "parallel")]
-    let mut codes: Vec<Coded> = unsorted.par_iter().map(coded).collect();
+    let mut codes: Vec<Coded> = unsorted.par_iter().exactly().map(coded).collect();
     #[cfg(not(feature = "parallel"))]
     let mut codes: Vec<Coded> = unsorted.iter().map(coded).collect();
     let mut spare = alloc::vec![Coded::default(); unsorted.len()];

@@ -32,7 +32,7 @@ macro_rules! bvh_builder {
                 primitives: &(impl Primitives + Sync),
                 limits: &Limits<'_>,
             ) -> Result<BinaryTree, BuildError> {
-                self.tree(primitives, limits)
+                crate::simd::exactly(|| self.tree(primitives, limits))
             }
         }
 

@@ -28,7 +28,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 use partners::{CHUNK, MAX_RADIUS, Scratch};
 #[cfg(feature = "parallel")]
-use rayon::prelude::*;
+use {crate::threads::Exactly, rayon::prelude::*};
 
 /// The builder by clustering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,7 +85,10 @@ impl Ploc {
         let items_in_order = items.par_iter();
         #[cfg(not(feature = "parallel"))]
         let items_in_order = items.iter();
-        let clusters = items_in_order.clone().enumerate().map(cluster_of).collect();
+        let clusters = items_in_order.clone().enumerate();
+        #[cfg(feature = "parallel")]
+        let clusters = clusters.exactly();
+        let clusters = clusters.map(cluster_of).collect();
         let order = items_in_order.map(Item::id).collect();
         drop(items);
         let radius = self.radius.clamp(1, MAX_RADIUS);
@@ -143,6 +146,7 @@ fn find_partners(
     partners
         .par_chunks_mut(CHUNK)
         .enumerate()
+        .exactly()
         .for_each_init(Scratch::new, find_some);
     #[cfg(not(feature = "parallel"))]
     {
@@ -245,7 +249,7 @@ fn join(
             }
         };
     #[cfg(feature = "parallel")]
-    tasks.into_par_iter().for_each(write);
+    tasks.into_par_iter().exactly().for_each(write);
     #[cfg(not(feature = "parallel"))]
     tasks.into_iter().for_each(write);
     pairs

@@ -26,7 +26,7 @@ use crate::primitive::Primitives;
 use alloc::vec::Vec;
 use core::marker::PhantomData;
 #[cfg(feature = "parallel")]
-use rayon::prelude::*;
+use {crate::threads::Exactly, rayon::prelude::*};
 
 /// The builder by full sweeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,7 +103,7 @@ fn sorted(items: &[Item], axis: usize, site: &Site<'_>) -> Option<Vec<Item>> {
         id: place as u32,
     };
     #[cfg(feature = "parallel")]
-    let mut codes: Vec<Coded> = items.par_iter().enumerate().map(coded).collect();
+    let mut codes: Vec<Coded> = items.par_iter().enumerate().exactly().map(coded).collect();
     #[cfg(not(feature = "parallel"))]
     let mut codes: Vec<Coded> = items.iter().enumerate().map(coded).collect();
     let mut spare = alloc::vec![Coded::default(); items.len()];
@@ -157,7 +157,7 @@ impl Sweep<'_> {
         let cut = |axis: usize| Self::cut(rows.by_axis[axis], axis);
         #[cfg(feature = "parallel")]
         if rows.spare.len() > 4 * SEQUENTIAL {
-            let cuts: Vec<_> = (0..3_usize).into_par_iter().map(cut).collect();
+            let cuts: Vec<_> = (0..3_usize).into_par_iter().exactly().map(cut).collect();
             return cuts.into_iter().flatten().reduce(better);
         }
         self.axes.iter().filter_map(cut).reduce(better)

@@ -12,6 +12,8 @@ use crate::accel::limits::Site;
 use crate::accel::{Axes, BuildError, Limits};
 use crate::geometry::Aabb;
 use crate::primitive::Primitives;
+#[cfg(feature = "parallel")]
+use crate::threads;
 use alloc::vec::Vec;
 use core::marker::PhantomData;
 
@@ -98,7 +100,7 @@ fn parts<D: Divide>(part: D::Part, depth: usize, work: &Work<'_, D>) -> Parts {
     match work.divide(part, depth) {
         Divided::Leaf(part) => Parts::Whole(leaf(part, work)),
         Divided::Halves([left, right]) => {
-            let (left, right) = rayon::join(
+            let (left, right) = threads::join(
                 || parts(left, depth + 1, work),
                 || parts(right, depth + 1, work),
             );

@@ -13,6 +13,9 @@ use super::lay_out::lay_out;
 use crate::accel::bvh::assemble::Parts;
 use crate::accel::bvh::tree::{BinaryNode, BinaryTree, MAX_DEPTH, MAX_LEAF};
 use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
+use crate::simd::exactly;
+#[cfg(feature = "parallel")]
+use crate::threads;
 use alloc::vec::Vec;
 
 /// Makes leaves of up to `max_leaf` primitives (1 to [`MAX_LEAF`]) wherever the surface-area heuristic finds them no dearer
@@ -22,11 +25,13 @@ pub fn collapse_leaves(tree: &mut BinaryTree, max_leaf: usize) {
         return;
     }
     let max_leaf = max_leaf.clamp(1, MAX_LEAF) as u32;
-    let (collapsed, depth) = collapsed(tree, max_leaf);
-    *tree = collapsed;
-    if depth > MAX_DEPTH {
-        lay_out(tree, |_| false);
-    }
+    exactly(|| {
+        let (collapsed, depth) = collapsed(tree, max_leaf);
+        *tree = collapsed;
+        if depth > MAX_DEPTH {
+            lay_out(tree, |_| false);
+        }
+    });
 }
 
 /// What a subtree costs.
@@ -95,7 +100,7 @@ fn copy_parts(tree: &BinaryTree, root: usize, levels: usize, max_leaf: u32) -> (
         return (Parts::Whole(copied), weight);
     }
     let [a, b] = node.children();
-    let ((a, weight_a), (b, weight_b)) = rayon::join(
+    let ((a, weight_a), (b, weight_b)) = threads::join(
         || copy_parts(tree, a, levels - 1, max_leaf),
         || copy_parts(tree, b, levels - 1, max_leaf),
     );

@@ -10,6 +10,7 @@ use super::parents_first;
 use crate::accel::bvh::tree::BinaryTree;
 use crate::geometry::Aabb;
 use crate::primitive::Primitives;
+use crate::simd::exactly;
 
 /// Fits the boxes of a tree to primitives that have moved, of the same number as before.
 ///
@@ -19,6 +20,10 @@ use crate::primitive::Primitives;
 /// # Panics
 /// When there are fewer primitives than the tree names.
 pub fn refit(tree: &mut BinaryTree, primitives: &impl Primitives) {
+    exactly(|| follow(tree, primitives));
+}
+
+fn follow(tree: &mut BinaryTree, primitives: &impl Primitives) {
     for i in parents_first(tree).into_iter().rev() {
         let node = tree.nodes[i as usize];
         tree.nodes[i as usize].bounds = if node.is_leaf() {

@@ -16,9 +16,10 @@ use super::lay_out::lay_out;
 use crate::accel::Limits;
 use crate::accel::bvh::tree::{BinaryNode, BinaryTree};
 use crate::accel::limits::Site;
+use crate::simd::exactly;
 use alloc::vec::Vec;
 #[cfg(feature = "parallel")]
-use rayon::prelude::*;
+use {crate::threads::Exactly, rayon::prelude::*};
 
 /// After so many nodes a search is content with what it has found: boxes that all overlap each other save little.
 const MOST_VISITS: usize = 1024;
@@ -30,7 +31,7 @@ const CHUNK: usize = 512;
 pub fn reinsertion(tree: &mut BinaryTree, rounds: usize) {
     let site = Site::new(&Limits::NONE, 1);
     for _ in 0..rounds {
-        if !round(tree, &site) {
+        if !exactly(|| round(tree, &site)) {
             break;
         }
     }
@@ -107,6 +108,7 @@ fn find_all(nodes: &[BinaryNode], parents: &[u32], site: &Site<'_>) -> Vec<Move>
     if chunks > 1 {
         let found: Vec<Vec<Move>> = (0..chunks)
             .into_par_iter()
+            .exactly()
             .map(|chunk| find_some(start(chunk)))
             .collect();
         return found.concat();

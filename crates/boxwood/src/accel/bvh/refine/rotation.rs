@@ -13,6 +13,7 @@ use super::{inner_area, parents_first};
 use crate::accel::Limits;
 use crate::accel::bvh::tree::BinaryTree;
 use crate::accel::limits::Site;
+use crate::simd::exactly;
 
 /// Nodes between two looks at the clock.
 const CHUNK: usize = 4096;
@@ -21,7 +22,7 @@ const CHUNK: usize = 4096;
 pub fn rotation(tree: &mut BinaryTree, rounds: usize) {
     let site = Site::new(&Limits::NONE, 1);
     for _ in 0..rounds {
-        if !round(tree, &site) {
+        if !exactly(|| round(tree, &site)) {
             break;
         }
     }

@@ -30,7 +30,7 @@ use crate::geometry::{Aabb, PreparedRay, Ray};
 use crate::inspect::{self, Cell, Statistics, TreeFlaw};
 use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Query, Traverse};
-use crate::simd::{Isa, Level, Portable, Vectorize};
+use crate::simd::{Isa, Level, Portable, Vectorize, exactly};
 use alloc::vec;
 use alloc::vec::Vec;
 use core::mem;
@@ -86,6 +86,10 @@ where
     }
 
     fn within(primitives: P, tree: &BinaryTree, limits: &Limits<'_>) -> Result<Self, BuildError> {
+        exactly(|| Self::laid_out(primitives, tree, limits))
+    }
+
+    fn laid_out(primitives: P, tree: &BinaryTree, limits: &Limits<'_>) -> Result<Self, BuildError> {
         let most = tree.order.iter().max().map_or(0, |&id| id as usize + 1);
         let fits = most == primitives.len() && tree.nodes.is_empty() == tree.order.is_empty();
         assert!(fits, "a tree for other primitives");

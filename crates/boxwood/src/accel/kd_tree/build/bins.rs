@@ -11,7 +11,7 @@ use super::sweep::Surface;
 use crate::accel::Axes;
 use crate::geometry::Aabb;
 #[cfg(feature = "parallel")]
-use rayon::prelude::*;
+use {crate::threads::Exactly, rayon::prelude::*};
 
 const BINS: usize = 128;
 
@@ -80,6 +80,7 @@ impl Bins {
         #[cfg(feature = "parallel")]
         let counts = items
             .par_chunks(super::CHUNK)
+            .exactly()
             .map(|items| grid.count(items))
             .reduce(|| [[[0; 2]; BINS]; 3], add);
         #[cfg(not(feature = "parallel"))]

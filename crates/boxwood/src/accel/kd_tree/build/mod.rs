@@ -24,6 +24,8 @@ use crate::accel::settings::Value;
 use crate::accel::{BuildError, Limits};
 use crate::geometry::{Aabb, Vec3};
 use crate::primitive::Primitives;
+#[cfg(feature = "parallel")]
+use crate::threads;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
@@ -46,7 +48,7 @@ macro_rules! kd_builder {
                 primitives: &(impl Primitives + Sync),
                 limits: &Limits<'_>,
             ) -> Result<Partition, BuildError> {
-                super::top_down(primitives, &self.caps(), self, limits)
+                crate::simd::exactly(|| super::top_down(primitives, &self.caps(), self, limits))
             }
         }
 
@@ -298,7 +300,7 @@ impl<P: Primitives + Sync, R: Rule> Work<'_, P, R> {
             if task.items > SEQUENTIAL {
                 let [below, above] = children;
                 let [b, a] = core::mem::take(&mut parts);
-                let (b, a) = rayon::join(|| self.subtree(b, below), || self.subtree(a, above));
+                let (b, a) = threads::join(|| self.subtree(b, below), || self.subtree(a, above));
                 built.append_pair([b, a]);
                 continue;
             }
@@ -318,9 +320,11 @@ impl<P: Primitives + Sync, R: Rule> Work<'_, P, R> {
         above.clear();
         #[cfg(feature = "parallel")]
         if items.len() > 4 * CHUNK {
+            use crate::threads::Exactly;
             use rayon::prelude::*;
             let pieces: Vec<[Vec<Item>; 2]> = items
                 .par_chunks(CHUNK)
+                .exactly()
                 .map(|items| {
                     let mut parts = [Vec::new(), Vec::new()];
                     if self.site.advance(items.len()) {

@@ -3,7 +3,7 @@
 use crate::accel::bvh::build::sweep::{Cut, Slot, cheapest_cut};
 use crate::accel::bvh::build::{Item, Sides};
 #[cfg(feature = "parallel")]
-use {crate::accel::bvh::build::top_down::SEQUENTIAL, rayon::prelude::*};
+use {crate::accel::bvh::build::top_down::SEQUENTIAL, crate::threads::Exactly, rayon::prelude::*};
 
 /// The most bins there may be.
 pub(super) const MAX_BINS: usize = 64;
@@ -54,6 +54,7 @@ impl Bins {
             // Unions and sums of whole numbers: the order does not count.
             return items
                 .par_chunks(2 * SEQUENTIAL)
+                .exactly()
                 .map(|items| self.fill_some(items))
                 .reduce(Filled::empty, Filled::merge);
         }
