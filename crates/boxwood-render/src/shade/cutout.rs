@@ -1,9 +1,9 @@
 //! Rays through holes: cut-outs, blended layers and clear bodies.
 //!
-//! *How it works.* Rays ask for their nearest hits together. Only one that may be no surface there asks again, alone and with a
-//! filter, which looks at those hits and no others; a scene without any never does. So do shadow rays, if a surface that light passes comes first: a
-//! solid one ends the ray, layers tint it. Clear bodies tint by Fresnel, by colour and by the way inside, but do not bend the ray:
-//! shadows of glass are coloured, without caustics.
+//! *How it works.* Rays ask for their nearest hits together; one that may be no surface there asks again, alone and with a filter,
+//! which looks at such hits and no others. Shadow rays ask together for anything in their way; only where light passes
+//! that do they ask again and gather what they cross: a solid surface ends the ray, layers tint it. Clear bodies tint by Fresnel, by
+//! colour and by the way inside, but do not bend the ray: shadows of glass are coloured, without caustics.
 
 use super::fresnel;
 use super::material::attenuate;
@@ -22,10 +22,8 @@ impl World {
     pub fn closest_each(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
         let mut hits = vec![None; rays.len()];
         self.structure.closest_hits(rays, &mut hits);
-        if self.open.any_holes() {
-            for (ray, hit) in rays.iter().zip(&mut hits) {
-                *hit = self.closest(ray, *hit);
-            }
+        for (ray, hit) in rays.iter().zip(&mut hits) {
+            *hit = self.closest(ray, *hit);
         }
         hits
     }
@@ -44,40 +42,29 @@ impl World {
     /// Takes from each light what stands in its way.
     pub fn darken(&self, shadows: &mut [Shadow]) {
         let rays: Vec<Ray> = shadows.iter().filter_map(|shadow| shadow.ray).collect();
-        let all_stop = !self.open.any() && shadows.iter().all(|shadow| shadow.lamp.is_none());
+        let mut found = vec![None; rays.len()];
+        self.structure.occluders(&rays, &mut found);
         let shadows = shadows.iter_mut().filter(|shadow| shadow.ray.is_some());
-        if all_stop {
-            let mut dark = vec![false; rays.len()];
-            self.structure.occluded_each(&rays, &mut dark);
-            for (shadow, dark) in shadows.zip(dark) {
-                let left = if dark { Vec3::ZERO } else { WHITE };
-                shadow.light = shadow.light * left;
-            }
-        } else {
-            // Most rays meet nothing at all, or first something solid.
-            let mut hits = vec![None; rays.len()];
-            self.structure.closest_hits(&rays, &mut hits);
-            for ((shadow, ray), hit) in shadows.zip(&rays).zip(hits) {
-                let left = match hit {
-                    None => WHITE,
-                    Some(hit) if self.stops(&hit, shadow.lamp) => Vec3::ZERO,
-                    Some(_) => self.light_through(ray, shadow.lamp),
-                };
-                shadow.light = shadow.light * left;
-            }
+        for ((shadow, ray), found) in shadows.zip(&rays).zip(found) {
+            let left = match found {
+                None => WHITE,
+                Some(triangle) if self.stops(triangle, shadow.lamp) => Vec3::ZERO,
+                Some(_) => self.light_through(ray, shadow.lamp),
+            };
+            shadow.light = shadow.light * left;
         }
     }
 
     /// Whether no light passes a triangle.
-    fn stops(&self, hit: &Hit, lamp: Option<u32>) -> bool {
-        Some(hit.primitive) != lamp && !self.open.lets_through(hit.primitive)
+    fn stops(&self, triangle: u32, lamp: Option<u32>) -> bool {
+        Some(triangle) != lamp && !self.open.lets_through(triangle)
     }
 
     /// The share of light that arrives along a shadow ray. A triangle may be left out: the lamp itself.
     fn light_through(&self, ray: &Ray, lamp: Option<u32>) -> Vec3 {
         let mut layers = Layers::none();
         let dark = self.structure.occluded_where(ray, &mut |hit| {
-            self.stops(hit, lamp) || (Some(hit.primitive) != lamp && !layers.add(hit))
+            self.stops(hit.primitive, lamp) || (Some(hit.primitive) != lamp && !layers.add(hit))
         });
         if dark {
             Vec3::ZERO

@@ -53,7 +53,7 @@ impl Tracer<'_> {
                 let purpose = (place.branch.purpose).wrapping_add(number.wrapping_mul(0x9e37_79b9));
                 let rays = count(place);
                 for j in 0..rays {
-                    let sample = if self.soft == 0 {
+                    let sample = if self.soft == 0 || !lamp.is_soft() {
                         [0.5; 2]
                     } else {
                         place.samples.pair(purpose, rays, j)
