@@ -38,11 +38,13 @@ impl Tracer<'_> {
     pub(super) fn direct(&self, places: &[Place<'_>]) -> Vec<Vec3> {
         let mut sums = vec![Vec3::ZERO; places.len()];
         let lamps = self.world.lamps.iter().chain(&self.key);
-        for (number, lamp) in (0..).zip(lamps) {
-            let number: u32 = number;
-            let count = |place: &Place<'_>| match lamp.is_soft() {
-                true => self.soft_rays(&place.branch).max(1),
-                false => 1,
+        for (number, lamp) in (0_u32..).zip(lamps) {
+            let count = |place: &Place<'_>| {
+                if lamp.is_soft() {
+                    self.soft_rays(&place.branch).max(1)
+                } else {
+                    1
+                }
             };
             let want = |place: &Place<'_>, shadows: &mut Vec<Shadow>| {
                 // Mirrors see lamps with a surface of their own as they are.
