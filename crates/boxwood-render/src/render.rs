@@ -5,11 +5,11 @@ use crate::colour::luminance;
 use crate::film::{Film, Pixel};
 use crate::sample::{Samples, tent};
 use crate::shade::light::Lamp;
-use crate::shade::whitted::{Branch, Seen, Tracer};
+use crate::shade::whitted::{Branch, Seen, Sent, Tracer, WAVE};
 use crate::world::World;
 use crate::{RenderError, View};
 use boxwood::inspect::Statistics;
-use boxwood::{StructureKind, TraversalStats, Vec3};
+use boxwood::{Ray, StructureKind, TraversalStats, Vec3};
 use boxwood_scene::{Camera, Image, Scene};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -140,8 +140,8 @@ impl Renderer {
         let tiles: Vec<Vec<Pixel>> = (0..columns * rows)
             .into_par_iter()
             .map(|tile| {
-                let pixels = within(tile % columns * TILE, tile / columns * TILE, size);
-                let pixels = pixels.map(|at| shot.pixel(at)).collect();
+                let places = within(tile % columns * TILE, tile / columns * TILE, size);
+                let pixels = shot.pixels(&places.collect::<Vec<_>>());
                 progress(done.fetch_add(1, Ordering::Relaxed) + 1, count);
                 pixels
             })
@@ -184,10 +184,17 @@ impl Renderer {
     }
 }
 
-/// The pixels of the tile whose upper left corner is given, row by row.
+/// The pixels of the tile whose upper left corner is given, along Morton's curve: what is near in the list is near in the
+/// picture, so that rays of neighbours travel together.
 fn within(left: u32, top: u32, [width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
-    let (right, bottom) = ((left + TILE).min(width), (top + TILE).min(height));
-    (top..bottom).flat_map(move |y| (left..right).map(move |x| [x, y]))
+    (0..TILE * TILE)
+        .map(move |i| [left + every_second_bit(i), top + every_second_bit(i >> 1)])
+        .filter(move |&[x, y]| x < width && y < height)
+}
+
+/// Bits 0, 2, 4 and 6, closed up.
+fn every_second_bit(i: u32) -> u32 {
+    i & 1 | i >> 1 & 2 | i >> 2 & 4 | i >> 3 & 8
 }
 
 const NOTHING: Pixel = Pixel {
@@ -225,16 +232,15 @@ impl Shot<'_> {
     fn brightening(&self, [width, height]: [u32; 2]) -> f32 {
         let mut bright = 0.0;
         let mut count = 0.0;
-        for i in 0..METER[0] * METER[1] {
+        let rays = (0..METER[0] * METER[1]).map(|i| {
             let [x, y] = [i % METER[0], i / METER[0]];
             let place = |n: u32, of: u32, side: u32| (n as f32 + 0.5) / of as f32 * side as f32;
             let ray = self
                 .lens
                 .ray(place(x, METER[0], width), place(y, METER[1], height));
-            let samples = Samples::new([x, y], 0);
-            let seen = self
-                .tracer
-                .trace(ray, Branch::root(self.lens.footprint()), &samples);
+            self.sent(ray, Samples::new([x, y], 0))
+        });
+        for seen in self.tracer.trace(&rays.collect::<Vec<_>>()) {
             let light = luminance(seen.radiance - seen.background);
             if light.is_finite() && seen.unlit == 0.0 {
                 bright += light.min(1.0);
@@ -248,43 +254,63 @@ impl Shot<'_> {
         }
     }
 
-    fn pixel(&self, at: [u32; 2]) -> Pixel {
-        let mut pixel = self.middle(at);
-        let mut sum = Seen::default();
-        for index in 0..self.spp {
-            let samples = Samples::new(at, index);
-            let [u, v] = samples.pair(0, 1, 0);
-            let x = at[0] as f32 + 0.5 + tent(u);
-            let y = at[1] as f32 + 0.5 + tent(v);
-            let ray = self.lens.ray(x, y);
-            let branch = Branch::root(self.lens.footprint());
-            sum.add(&match self.view {
-                View::Shaded => self.tracer.trace(ray, branch, &samples),
-                View::Albedo | View::Normals => self.tracer.look(ray, branch),
-                _ => return pixel,
-            });
+    /// The rays of all samples of the pixels travel together, as many as a wave may hold.
+    fn pixels(&self, places: &[[u32; 2]]) -> Vec<Pixel> {
+        let mut pixels: Vec<Pixel> = places.iter().map(|&at| self.middle(at)).collect();
+        let follow = match self.view {
+            View::Shaded => Tracer::trace,
+            View::Albedo | View::Normals => Tracer::look,
+            _ => return pixels,
+        };
+        let mut sums = vec![Seen::default(); places.len()];
+        let spp = u64::from(self.spp);
+        // Sample by sample of the first pixel, then of the next one.
+        let place = |n: u64| (n / spp) as usize;
+        let count = places.len() as u64 * spp;
+        for start in (0..count).step_by(WAVE) {
+            let wave = start..count.min(start + WAVE as u64);
+            let sent = |n: u64| self.sample(places[place(n)], (n % spp) as u32);
+            let sent: Vec<Sent> = wave.clone().map(sent).collect();
+            for (n, seen) in wave.zip(follow(&self.tracer, &sent)) {
+                sums[place(n)].add(&seen);
+            }
         }
         let share = 1.0 / self.spp as f32;
         let light = self.tracer.exposure * share;
-        pixel.radiance = (sum.radiance * light).to_array();
-        pixel.background = (sum.background * light).to_array();
-        pixel.albedo = (sum.albedo * share).to_array();
-        pixel.normal = (sum.normal * share).to_array();
-        pixel.coverage = sum.coverage * share;
-        pixel.unlit = sum.unlit * share;
-        pixel
+        for (pixel, sum) in pixels.iter_mut().zip(sums) {
+            pixel.radiance = (sum.radiance * light).to_array();
+            pixel.background = (sum.background * light).to_array();
+            pixel.albedo = (sum.albedo * share).to_array();
+            pixel.normal = (sum.normal * share).to_array();
+            pixel.coverage = sum.coverage * share;
+            pixel.unlit = sum.unlit * share;
+        }
+        pixels
+    }
+
+    /// The ray of one sample of a pixel.
+    fn sample(&self, at: [u32; 2], index: u32) -> Sent {
+        let samples = Samples::new(at, index);
+        let [u, v] = samples.pair(0, 1, 0);
+        let x = at[0] as f32 + 0.5 + tent(u);
+        let y = at[1] as f32 + 0.5 + tent(v);
+        self.sent(self.lens.ray(x, y), samples)
+    }
+
+    fn sent(&self, ray: Ray, samples: Samples) -> Sent {
+        Sent {
+            ray,
+            branch: Branch::root(self.lens.footprint()),
+            samples,
+        }
     }
 
     /// What the ray through the middle of the pixel meets, and what that costs.
     fn middle(&self, [x, y]: [u32; 2]) -> Pixel {
         let ray = self.lens.ray(x as f32 + 0.5, y as f32 + 0.5);
         let mut steps = TraversalStats::default();
-        let plain = self.world.structure.closest_hit_counted(&ray, &mut steps);
-        let hit = if self.world.open.any_holes() {
-            self.world.closest(&ray)
-        } else {
-            plain
-        };
+        let nearest = self.world.structure.closest_hit_counted(&ray, &mut steps);
+        let hit = self.world.closest(&ray, nearest);
         let few = |n: u64| u32::try_from(n).unwrap_or(u32::MAX);
         let mut pixel = Pixel {
             nodes: few(steps.nodes + steps.leaves),
@@ -312,5 +338,30 @@ impl Seen {
         self.normal += sound(other.normal);
         self.coverage += other.coverage;
         self.unlit += other.unlit;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_are_walked_in_blocks_and_cover_every_pixel_once() {
+        let size = [TILE + 5, TILE + 3];
+        let mut times = vec![0; (size[0] * size[1]) as usize];
+        for corner in [[0, 0], [TILE, 0], [0, TILE], [TILE, TILE]] {
+            for [x, y] in within(corner[0], corner[1], size) {
+                times[(y * size[0] + x) as usize] += 1;
+            }
+        }
+        assert!(times.iter().all(|&n| n == 1));
+        let tile: Vec<_> = within(0, 0, size).collect();
+        for block in tile.chunks(64) {
+            for axis in 0..2 {
+                let places = || block.iter().map(|at| at[axis]);
+                let (first, last) = (places().min(), places().max());
+                assert_eq!(last.zip(first).map(|(last, first)| last - first), Some(7));
+            }
+        }
     }
 }

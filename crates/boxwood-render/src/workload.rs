@@ -5,7 +5,7 @@
 //! number, so that a workload is the same on every machine. Rays leave a surface by
 //! [`Surface::offset_origin`](boxwood::Surface::offset_origin).
 //!
-//! *Cost.* 32 bytes per ray, and one closest-hit query per pixel.
+//! *Cost.* 32 bytes per ray, and one closest-hit query per pixel, asked as a batch.
 //!
 //! *Source.* The kinds are those of Aila & Laine 2009, *Understanding the Efficiency of Ray Traversal on GPUs* (primary,
 //! ambient occlusion, diffuse), with the shadow rays of Whitted 1980 and segments between random points beside them.
@@ -172,13 +172,11 @@ impl<'a> Recorder<'a> {
 
     /// One ray, or none, from each place that a primary ray meets.
     fn on_surfaces(&self, ray: impl Fn(u32, &Surface) -> Option<Ray> + Sync) -> Vec<Ray> {
-        view(self.camera, self.size)
-            .into_par_iter()
-            .enumerate()
-            .filter_map(|(i, primary)| {
-                let hit = self.structure.closest_hit(&primary)?;
-                ray(i as u32, &self.mesh.surface(&primary, &hit))
-            })
+        let view = view(self.camera, self.size);
+        let mut hits = vec![None; view.len()];
+        self.structure.closest_hits(&view, &mut hits);
+        (view.par_iter().zip(hits).enumerate())
+            .filter_map(|(i, (primary, hit))| ray(i as u32, &self.mesh.surface(primary, &hit?)))
             .collect()
     }
 

@@ -64,14 +64,6 @@ pub(crate) struct Open {
 }
 
 impl Open {
-    /// Whether any triangle may be missed because of its alpha.
-    pub fn any_holes(&self) -> bool {
-        !self.holes.is_empty()
-    }
-    /// Whether any triangle may let light through.
-    pub fn any(&self) -> bool {
-        !self.through.is_empty()
-    }
     /// Whether alpha may take this one away.
     pub fn has_holes(&self, triangle: u32) -> bool {
         bit(&self.holes, triangle)

@@ -31,6 +31,8 @@ pub fn check<P: Primitives + Send + Sync>(primitives: &P, rays: &[Ray], case: &s
         let mut occluded = vec![false; rays.len()];
         structure.closest_hits(rays, &mut closest);
         structure.occluded_each(rays, &mut occluded);
+        let mut occluders = vec![None; rays.len()];
+        structure.occluders(rays, &mut occluders);
         for (i, (ray, expected)) in rays.iter().zip(&expected).enumerate() {
             let question = |what: &str| format!("{what} of {name}, {case}, ray {i}: {ray:?}");
             expected.holds_for(&*structure, ray, &question);
@@ -41,6 +43,15 @@ pub fn check<P: Primitives + Send + Sync>(primitives: &P, rays: &[Ray], case: &s
                 first.is_some(),
                 "{}",
                 question("batch of occlusion")
+            );
+            let primitives = || expected.all.iter().map(|Bits(bits)| bits[3]);
+            assert!(
+                match occluders[i] {
+                    Some(occluder) => primitives().any(|primitive| primitive == occluder),
+                    None => primitives().next().is_none(),
+                },
+                "{}",
+                question("occluder")
             );
         }
     }

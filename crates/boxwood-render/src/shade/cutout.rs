@@ -1,11 +1,13 @@
 //! Rays through holes: cut-outs, blended layers and clear bodies.
 //!
-//! *How it works.* A ray on its way asks about the hits that may be no surface there, and only about those; a scene without
-//! any never asks. A shadow ray gathers what it crosses: a solid surface ends it, layers tint it. Clear bodies tint by
-//! Fresnel, by colour and by the way inside, but do not bend the ray: shadows of glass are coloured, without caustics.
+//! *How it works.* Rays ask for their nearest hits together; one that may be no surface there asks again, alone and with a filter,
+//! which looks at such hits and no others. Shadow rays ask together for anything in their way; only where light passes
+//! that do they ask again and gather what they cross: a solid surface ends the ray, layers tint it. Clear bodies tint by Fresnel, by
+//! colour and by the way inside, but do not bend the ray: shadows of glass are coloured, without caustics.
 
 use super::fresnel;
 use super::material::attenuate;
+use super::shadow::Shadow;
 use crate::colour::WHITE;
 use crate::world::World;
 use boxwood::{Hit, Ray, Surfaces, Vec3};
@@ -16,31 +18,53 @@ const MOST_LAYERS: usize = 16;
 const LEAST_COVERAGE: f32 = 1.0 / 512.0;
 
 impl World {
-    /// The nearest surface that is there.
-    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        if !self.open.any_holes() {
-            return self.structure.closest_hit(ray);
+    /// The nearest surface that is there, for many rays.
+    pub fn closest_each(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
+        let mut hits = vec![None; rays.len()];
+        self.structure.closest_hits(rays, &mut hits);
+        for (ray, hit) in rays.iter().zip(&mut hits) {
+            *hit = self.closest(ray, *hit);
         }
-        self.structure.closest_hit_where(ray, &mut |hit| {
-            !self.open.has_holes(hit.primitive) || self.coverage(hit) > LEAST_COVERAGE
-        })
+        hits
+    }
+
+    /// The nearest surface that is there, of a ray whose nearest hit is known.
+    pub fn closest(&self, ray: &Ray, nearest: Option<Hit>) -> Option<Hit> {
+        let is_there =
+            |hit: &Hit| !self.open.has_holes(hit.primitive) || self.coverage(hit) > LEAST_COVERAGE;
+        if nearest.as_ref().is_none_or(is_there) {
+            return nearest;
+        }
+        self.structure
+            .closest_hit_where(ray, &mut |hit| is_there(hit))
+    }
+
+    /// Takes from each light what stands in its way.
+    pub fn darken(&self, shadows: &mut [Shadow]) {
+        let rays: Vec<Ray> = shadows.iter().filter_map(|shadow| shadow.ray).collect();
+        let mut found = vec![None; rays.len()];
+        self.structure.occluders(&rays, &mut found);
+        let shadows = shadows.iter_mut().filter(|shadow| shadow.ray.is_some());
+        for ((shadow, ray), found) in shadows.zip(&rays).zip(found) {
+            let left = match found {
+                None => WHITE,
+                Some(triangle) if self.stops(triangle, shadow.lamp) => Vec3::ZERO,
+                Some(_) => self.light_through(ray, shadow.lamp),
+            };
+            shadow.light = shadow.light * left;
+        }
+    }
+
+    /// Whether no light passes a triangle.
+    fn stops(&self, triangle: u32, lamp: Option<u32>) -> bool {
+        Some(triangle) != lamp && !self.open.lets_through(triangle)
     }
 
     /// The share of light that arrives along a shadow ray. A triangle may be left out: the lamp itself.
-    pub fn light_through(&self, ray: &Ray, lamp: Option<u32>) -> Vec3 {
-        if !self.open.any() {
-            let dark = match lamp {
-                None => self.structure.occluded(ray),
-                Some(_) => self
-                    .structure
-                    .occluded_where(ray, &mut |hit| Some(hit.primitive) != lamp),
-            };
-            return if dark { Vec3::ZERO } else { WHITE };
-        }
+    fn light_through(&self, ray: &Ray, lamp: Option<u32>) -> Vec3 {
         let mut layers = Layers::none();
         let dark = self.structure.occluded_where(ray, &mut |hit| {
-            Some(hit.primitive) != lamp
-                && (!self.open.lets_through(hit.primitive) || !layers.add(hit))
+            self.stops(hit.primitive, lamp) || (Some(hit.primitive) != lamp && !layers.add(hit))
         });
         if dark {
             Vec3::ZERO
@@ -143,5 +167,70 @@ impl Layers {
         let found = &mut self.hits[..self.count];
         found.sort_unstable_by(Hit::order);
         found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Setup;
+    use crate::sample::Samples;
+    use crate::shade::whitted::tests::{everything, glowing, solid};
+
+    /// Segments between random points around the scenes.
+    fn segments() -> Vec<Ray> {
+        let point = |i: u32, purpose: u32| {
+            let samples = Samples::new([i, 0], 0);
+            let ([x, y], [z, _]) = (samples.pair(purpose, 1, 0), samples.pair(purpose + 1, 1, 0));
+            Vec3::new(6.0 * x - 3.0, 3.0 * y, 6.0 * z - 3.0)
+        };
+        (0..3000)
+            .map(|i| Ray::between(point(i, 1), point(i, 3)))
+            .collect()
+    }
+
+    #[test]
+    fn rays_together_are_answered_as_alone() {
+        let rays = segments();
+        for (scene, passable) in [(everything(), true), (solid(), false), (glowing(), false)] {
+            for structure in ["bvh:binned", "wide16"] {
+                let setup = Setup {
+                    structure: structure.parse().expect("a structure"),
+                    ..Setup::default()
+                };
+                let world = World::new(&scene, &setup, &mut Vec::new()).expect("a good scene");
+                let alone = |ray: &Ray| {
+                    world.structure.closest_hit_where(ray, &mut |hit| {
+                        !world.open.has_holes(hit.primitive) || world.coverage(hit) > LEAST_COVERAGE
+                    })
+                };
+                let hits: Vec<_> = rays.iter().map(alone).collect();
+                assert!(world.closest_each(&rays) == hits, "{structure}");
+
+                // The last triangles are those that glow, where any do.
+                let lamp = world.mesh.triangles().len() as u32 - 1;
+                for lamp in [None, Some(lamp)] {
+                    let shadow = |(i, &ray): (usize, &Ray)| Shadow {
+                        ray: (i % 7 != 0).then_some(ray),
+                        lamp: lamp.filter(|_| i % 2 == 0),
+                        light: Vec3::new(1.0, 2.0, 0.5),
+                    };
+                    let mut shadows: Vec<Shadow> = rays.iter().enumerate().map(shadow).collect();
+                    world.darken(&mut shadows);
+                    let mut counts = [0; 3];
+                    for (found, open) in shadows.iter().zip(rays.iter().enumerate().map(shadow)) {
+                        let through = open
+                            .ray
+                            .map_or(WHITE, |ray| world.light_through(&ray, open.lamp));
+                        assert_eq!(found.light, open.light * through, "{structure}");
+                        let kind = [WHITE, Vec3::ZERO].iter().position(|x| *x == through);
+                        counts[kind.unwrap_or(2)] += 1;
+                    }
+                    let [lit, dark, tinted] = counts;
+                    assert!(lit > 100 && dark > 100, "{counts:?}");
+                    assert_eq!(tinted > 20, passable, "{counts:?}");
+                }
+            }
+        }
     }
 }

@@ -8,5 +8,6 @@ pub(crate) mod gloss;
 pub(crate) mod light;
 pub(crate) mod material;
 pub(crate) mod point;
+pub(crate) mod shadow;
 pub(crate) mod texture;
 pub(crate) mod whitted;

@@ -1,37 +1,41 @@
-//! Whitted's tree of rays.
+//! Whitted's tree of rays, a wave at a time.
 //!
 //! *How it works.* At each surface: what it emits, what lamps bring it (a shadow ray each, several where shadows are
 //! soft), even light from around (darker where near things stand in the way), then a mirrored and a refracted ray, each
 //! weighted by Fresnel, both followed. Nothing branches by chance. A branch ends at the depth that was asked for, or
 //! when it can no longer change a pixel; the surroundings stand in for what it would have seen. Rough surfaces mirror
-//! blurred surroundings instead of tracing a ray; between, the two fade into each other. Cost: with `b` mirrors in view of
-//! each other at most `2^depth` rays a sample, in practice few, as glass reflects but 4 %.
+//! blurred surroundings instead of tracing a ray; between, the two fade into each other.
 //!
-//! *Source.* Whitted 1980, *An Improved Illumination Model for Shaded Display*; Chiang, Li & Burley 2019, *Taming the
-//! Shadow Terminator*.
+//! It is Whitted's recursion with a slice of rays where he has one, because structures answer many rays faster than one after
+//! the other: a wave asks for its hits together, then for the shadows of all of them, and what mirrors and glass send on is the
+//! next wave. Each ray adds up what it sees in the order that it would have alone, so no bit of a picture depends on the
+//! company.
+//!
+//! *Cost.* With `b` mirrors in view of each other at most `2^depth` rays a sample, in practice few, as glass reflects but 4 %.
+//! Memory for one wave, of at most [`WAVE`] rays, at each depth.
+//!
+//! *Source.* Whitted 1980, *An Improved Illumination Model for Shaded Display*.
 
-use super::direction::around_normal;
 use super::fresnel;
 use super::gloss;
-use super::light::{Aim, Lamp};
+use super::light::Lamp;
 use super::material::attenuate;
 use super::point::Point;
 use crate::colour::{WHITE, smoothstep};
 use crate::sample::{Samples, hash};
 use crate::world::World;
-use boxwood::{Ray, Vec3};
+use boxwood::{Hit, Ray, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
+/// The most rays that travel together: as many as a batch call keeps on its thread. A thread that waited for others in the
+/// middle of a tile would begin another one meanwhile.
+pub(crate) const WAVE: usize = 1024;
 /// A branch that contributes less than this is not followed.
 const LEAST_WEIGHT: f32 = 1.0 / 256.0;
 /// More blended layers than this on one straight ray count as solid.
 const MOST_LAYERS: u32 = 48;
 /// Perceptual roughness up to which reflections are traced, and from which they are blurred surroundings.
 const MIRROR: [f32; 2] = [0.18, 0.42];
-/// The part of even light that reaches the most sheltered place: light between surfaces, which is not traced.
-const SHELTERED: f32 = 0.3;
-/// The brightest highlight of a lamp, so that single samples cannot make specks.
-const BRIGHTEST: f32 = 24.0;
 
 /// Follows rays through a world.
 pub(crate) struct Tracer<'a> {
@@ -49,8 +53,17 @@ pub(crate) struct Tracer<'a> {
     pub visible_lamps: bool,
 }
 
+/// A ray on its way.
+#[derive(Clone, Copy)]
+pub(crate) struct Sent {
+    /// Its direction has unit length.
+    pub ray: Ray,
+    pub branch: Branch,
+    pub samples: Samples,
+}
+
 /// What a ray brought home.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Seen {
     pub radiance: Vec3,
     /// The part of it that comes straight from the surroundings.
@@ -67,11 +80,11 @@ pub(crate) struct Seen {
 /// Where in the tree a ray is.
 #[derive(Clone, Copy)]
 pub(crate) struct Branch {
-    depth: u32,
+    pub depth: u32,
     /// What the pixel gets of it at most.
-    weight: f32,
+    pub weight: f32,
     /// Tells branches apart when they take samples.
-    purpose: u32,
+    pub purpose: u32,
     /// Width of the ray's footprint at its origin, and its growth per distance.
     width: f32,
     spread: f32,
@@ -89,89 +102,150 @@ impl Branch {
         }
     }
 
-    fn child(&self, which: u32, weight: f32, width: f32) -> Self {
+    fn child(&self, which: u32, weight: f32) -> Self {
         Self {
             depth: self.depth + 1,
             weight: self.weight * weight,
             purpose: hash(self.purpose.wrapping_mul(4).wrapping_add(which)),
-            width,
-            spread: self.spread,
+            ..*self
         }
+    }
+
+    /// How wide the ray is after a distance.
+    fn width_at(&self, t: f32) -> f32 {
+        self.width + self.spread * t
     }
 }
 
+/// A ray of a wave, which blended layers may let pass.
+struct Way {
+    /// In the wave.
+    number: usize,
+    sent: Sent,
+    /// The share of what lies behind the layers so far.
+    left: f32,
+}
+
+/// Where a way meets a surface.
+struct Crossing {
+    way: Way,
+    t: f32,
+    /// What the pixel sees of the surface rather than of what lies before and behind.
+    share: f32,
+}
+
+/// A surface to be shaded, and what it does with light.
+pub(super) struct Place<'a> {
+    pub point: Point<'a>,
+    pub branch: Branch,
+    pub samples: Samples,
+    /// How much of its gloss mirrors rays rather than blurred surroundings.
+    pub mirror: f32,
+    /// The matt share of light, per colour.
+    pub diffuse: Vec3,
+    /// What a smooth surface would mirror.
+    smooth: Vec3,
+    /// The share of blurred surroundings that it mirrors.
+    dull: Vec3,
+}
+
+/// A way on from a surface.
+struct Onward {
+    direction: Vec3,
+    /// What the surface sends on of the light from there.
+    factor: Vec3,
+    branch: Branch,
+}
+
 impl Tracer<'_> {
-    /// Follows a ray whose direction has unit length.
-    pub fn trace(&self, mut ray: Ray, mut branch: Branch, samples: &Samples) -> Seen {
-        let mut seen = Seen::default();
-        // The share of what lies behind the layers so far.
-        let mut left = 1.0;
-        for layer in 0..MOST_LAYERS {
-            let hit = self.world.closest(&ray);
-            if self.visible_lamps
-                && let Some(radiance) =
-                    self.lamp_before(&ray, hit.map_or(f32::INFINITY, |hit| hit.t))
-            {
-                seen.radiance += radiance * left;
-                seen.coverage += left;
-                seen.albedo += WHITE * left;
-                return seen;
-            }
-            let Some(hit) = hit else {
-                seen.background = self.world.environment.radiance(ray.direction) * left;
-                seen.radiance += seen.background;
-                return seen;
-            };
-            let width = branch.width + branch.spread * hit.t;
-            let point = self.world.point(&ray, &hit, width);
-            let share = if layer + 1 == MOST_LAYERS {
-                left
-            } else {
-                left * point.alpha
-            };
-            let mut radiance = if point.material.plain.unlit {
-                seen.unlit += share;
-                point.base * (1.0 / self.exposure)
-            } else {
-                let here = Branch {
-                    weight: branch.weight * share,
-                    width,
-                    ..branch
+    /// Follows at most [`WAVE`] rays.
+    pub fn trace(&self, sent: &[Sent]) -> Vec<Seen> {
+        debug_assert!(sent.len() <= WAVE, "{} rays", sent.len());
+        let mut seen = vec![Seen::default(); sent.len()];
+        let mut ways: Vec<Way> = (0..).zip(sent).map(Way::new).collect();
+        for layer in 1..=MOST_LAYERS {
+            let rays: Vec<Ray> = ways.iter().map(|way| way.sent.ray).collect();
+            let hits = self.world.closest_each(&rays);
+            let mut behind = Vec::new();
+            let (mut crossings, mut places) = (Vec::new(), Vec::new());
+            for (way, hit) in ways.into_iter().zip(hits) {
+                let Sent {
+                    ray,
+                    branch,
+                    samples,
+                } = way.sent;
+                let seen = &mut seen[way.number];
+                if self.visible_lamps
+                    && let Some(radiance) =
+                        self.lamp_before(&ray, hit.map_or(f32::INFINITY, |hit| hit.t))
+                {
+                    seen.radiance += radiance * way.left;
+                    seen.coverage += way.left;
+                    seen.albedo += WHITE * way.left;
+                    continue;
+                }
+                let Some(hit) = hit else {
+                    seen.background = self.world.environment.radiance(ray.direction) * way.left;
+                    seen.radiance += seen.background;
+                    continue;
                 };
-                self.shade(&point, here, samples)
-            };
-            if point.inside() {
-                radiance = radiance * attenuate(point.material.absorption, hit.t);
+                let width = branch.width_at(hit.t);
+                let point = self.world.point(&ray, &hit, width);
+                let share = if layer == MOST_LAYERS {
+                    way.left
+                } else {
+                    way.left * point.alpha
+                };
+                let crossing = Crossing {
+                    way,
+                    t: hit.t,
+                    share,
+                };
+                if point.material.plain.unlit {
+                    seen.unlit += share;
+                    let light = point.base * (1.0 / self.exposure);
+                    behind.extend(crossing.pass(&point, light, seen));
+                } else {
+                    let here = Branch {
+                        weight: branch.weight * share,
+                        width,
+                        ..branch
+                    };
+                    crossings.push(crossing);
+                    places.push(Place::new(point, here, samples));
+                }
             }
-            seen.radiance += radiance * share;
-            seen.coverage += share;
-            seen.albedo += point.base * share;
-            seen.normal += point.normal * share;
-            left -= share;
-            if left < LEAST_WEIGHT {
-                return seen;
+            let lights = self.shade(&places);
+            for ((crossing, place), light) in crossings.into_iter().zip(&places).zip(lights) {
+                let seen = &mut seen[crossing.way.number];
+                behind.extend(crossing.pass(&place.point, light, seen));
             }
-            branch.width = width;
-            branch.purpose = hash(branch.purpose ^ 0x5bd1_e995);
-            ray = Ray::new(point.surface.offset_origin(ray.direction), ray.direction);
+            if behind.is_empty() {
+                break;
+            }
+            ways = behind;
         }
         seen
     }
 
-    /// Only what the ray meets first, without any light.
-    pub fn look(&self, ray: Ray, branch: Branch) -> Seen {
-        let Some(hit) = self.world.closest(&ray) else {
-            return Seen::default();
+    /// Only what rays meet first, without any light.
+    pub fn look(&self, sent: &[Sent]) -> Vec<Seen> {
+        let rays: Vec<Ray> = sent.iter().map(|sent| sent.ray).collect();
+        let hits = self.world.closest_each(&rays);
+        let look = |(sent, hit): (&Sent, Option<Hit>)| {
+            let Some(hit) = hit else {
+                return Seen::default();
+            };
+            let width = sent.branch.width_at(hit.t);
+            let point = self.world.point(&sent.ray, &hit, width);
+            Seen {
+                coverage: 1.0,
+                albedo: point.base,
+                normal: point.normal,
+                ..Seen::default()
+            }
         };
-        let point = self
-            .world
-            .point(&ray, &hit, branch.width + branch.spread * hit.t);
-        Seen {
-            coverage: 1.0,
-            albedo: point.base,
-            normal: point.normal,
-            ..Seen::default()
-        }
+        sent.iter().zip(hits).map(look).collect()
     }
 
     fn lamp_before(&self, ray: &Ray, t: f32) -> Option<Vec3> {
@@ -186,59 +260,143 @@ impl Tracer<'_> {
         nearest
     }
 
-    fn shade(&self, point: &Point<'_>, branch: Branch, samples: &Samples) -> Vec3 {
+    /// The light that places send to the eye.
+    fn shade(&self, places: &[Place<'_>]) -> Vec<Vec3> {
+        let direct = self.direct(places);
+        let open = self.openness(places);
+        let mirrored = places.iter().map(Place::mirrored);
+        let refracted = places.iter().map(Place::refracted);
+        let onward: Vec<_> = mirrored.chain(refracted).collect();
+        let brought = self.follow(places, &onward);
+        let (mirrored, refracted) = brought.split_at(places.len());
+        let light = |(i, place): (usize, &Place<'_>)| {
+            let mut light = place.point.emission + direct[i];
+            if place.shows_even_light() {
+                light += self.even(place) * open[i];
+            }
+            light + mirrored[i] + refracted[i]
+        };
+        places.iter().enumerate().map(light).collect()
+    }
+
+    /// What a place would send of the surroundings if it lay in the open.
+    fn even(&self, place: &Place<'_>) -> Vec3 {
+        let around = &self.world.environment;
+        let point = &place.point;
+        around.irradiance(point.normal) * place.diffuse * FRAC_1_PI
+            + around.blurred(point.mirrored(), point.roughness) * place.dull
+    }
+
+    /// What comes along each way, of which every place has the same number, or what the surroundings say where it is not
+    /// worth a ray.
+    fn follow(&self, places: &[Place<'_>], ways: &[Option<Onward>]) -> Vec<Vec3> {
+        let mut brought = vec![Vec3::ZERO; ways.len()];
+        let (mut sent, mut factors) = (Vec::new(), Vec::new());
+        for (i, (way, place)) in ways.iter().zip(places.iter().cycle()).enumerate() {
+            let Some(way) = way else { continue };
+            if way.branch.depth > self.depth || way.branch.weight < LEAST_WEIGHT {
+                brought[i] = self.world.environment.blurred(way.direction, 0.3) * way.factor;
+                continue;
+            }
+            let origin = place.point.surface.offset_origin(way.direction);
+            sent.push(Sent {
+                ray: Ray::new(origin, way.direction),
+                branch: way.branch,
+                samples: place.samples,
+            });
+            factors.push((i, way.factor));
+        }
+        for (sent, factors) in sent.chunks(WAVE).zip(factors.chunks(WAVE)) {
+            for (seen, &(i, factor)) in self.trace(sent).iter().zip(factors) {
+                brought[i] = seen.radiance * factor;
+            }
+        }
+        brought
+    }
+}
+
+impl Way {
+    fn new((number, sent): (usize, &Sent)) -> Self {
+        Self {
+            number,
+            sent: *sent,
+            left: 1.0,
+        }
+    }
+}
+
+impl Crossing {
+    /// Takes in the light of the surface and goes on behind it, unless nothing more can be seen there.
+    fn pass(self, point: &Point<'_>, mut light: Vec3, seen: &mut Seen) -> Option<Way> {
+        let Self { mut way, t, share } = self;
+        if point.inside() {
+            light = light * attenuate(point.material.absorption, t);
+        }
+        seen.radiance += light * share;
+        seen.coverage += share;
+        seen.albedo += point.base * share;
+        seen.normal += point.normal * share;
+        way.left -= share;
+        if way.left < LEAST_WEIGHT {
+            return None;
+        }
+        let Sent { ray, branch, .. } = &mut way.sent;
+        branch.width = branch.width_at(t);
+        branch.purpose = hash(branch.purpose ^ 0x5bd1_e995);
+        *ray = Ray::new(point.surface.offset_origin(ray.direction), ray.direction);
+        Some(way)
+    }
+}
+
+impl<'a> Place<'a> {
+    fn new(point: Point<'a>, branch: Branch, samples: Samples) -> Self {
         let n_v = point.normal.dot(point.to_eye).clamp(0.0, 1.0);
         let mirror = 1.0 - smoothstep(MIRROR[0], MIRROR[1], point.roughness);
         let smooth = point.fresnel(n_v);
         let rough = gloss::towards_even_light(point.at_normal(), point.roughness, n_v);
         let glossy = smooth * mirror + rough * (1.0 - mirror);
         let kept = WHITE - glossy;
-        // Metals have no diffuse part to keep anything for.
-        let diffuse = point.diffuse() * kept.max(Vec3::ZERO);
-
-        let mut light = point.emission;
-        light += self.direct(point, diffuse, mirror, branch, samples);
-
-        let (matt, dull) = (diffuse.max_element() > 0.0, rough * (1.0 - mirror));
-        if matt || dull.max_element() > 0.0 {
-            let around = &self.world.environment;
-            let even = around.irradiance(point.normal) * diffuse * FRAC_1_PI
-                + around.blurred(point.mirrored(), point.roughness) * dull;
-            light += even * self.openness(point, branch, samples);
+        Self {
+            // Metals have no diffuse part to keep anything for.
+            diffuse: point.diffuse() * kept.max(Vec3::ZERO),
+            dull: rough * (1.0 - mirror),
+            point,
+            branch,
+            samples,
+            mirror,
+            smooth,
         }
-        let reflected = smooth * mirror;
-        if reflected.max_element() > 0.0 {
-            light += self.follow(
-                point,
-                point.mirrored(),
-                reflected,
-                branch.child(1, reflected.max_element(), branch.width),
-                samples,
-            );
-        }
-        if point.transmission > 0.0 {
-            light += self.transmitted(point, smooth, branch, samples);
-        }
-        light
     }
 
-    fn transmitted(
-        &self,
-        point: &Point<'_>,
-        fresnel: Vec3,
-        branch: Branch,
-        samples: &Samples,
-    ) -> Vec3 {
+    /// Whether light from all around changes how the place looks.
+    pub fn shows_even_light(&self) -> bool {
+        self.diffuse.max_element() > 0.0 || self.dull.max_element() > 0.0
+    }
+
+    fn mirrored(&self) -> Option<Onward> {
+        let factor = self.smooth * self.mirror;
+        (factor.max_element() > 0.0).then(|| Onward {
+            direction: self.point.mirrored(),
+            factor,
+            branch: self.branch.child(1, factor.max_element()),
+        })
+    }
+
+    fn refracted(&self) -> Option<Onward> {
+        let point = &self.point;
+        if !(point.transmission > 0.0) {
+            return None;
+        }
         let clear = point.transmission * (1.0 - point.metallic);
         // A body's own colour counts once, where the ray enters.
         let colour = if point.inside() { WHITE } else { point.base };
-        let factor = (WHITE - fresnel).max(Vec3::ZERO) * colour * clear;
+        let factor = (WHITE - self.smooth).max(Vec3::ZERO) * colour * clear;
         if !(factor.max_element() > 0.0) {
-            return Vec3::ZERO;
+            return None;
         }
         let along = -point.to_eye;
         let direction = if point.material.plain.thin {
-            Some(along)
+            along
         } else {
             let eta = if point.inside() {
                 point.ior()
@@ -247,162 +405,15 @@ impl Tracer<'_> {
             };
             fresnel::refract(along, point.normal, eta)
                 .filter(|bent| bent.dot(point.facing) < 0.0)
-                .or_else(|| fresnel::refract(along, point.facing, eta))
+                .or_else(|| fresnel::refract(along, point.facing, eta))?
         };
-        let Some(direction) = direction else {
-            return Vec3::ZERO;
-        };
-        self.follow(
-            point,
+        Some(Onward {
             direction,
             factor,
-            branch.child(2, factor.max_element(), branch.width),
-            samples,
-        )
-    }
-
-    /// What comes from a direction, or what the surroundings say when that branch is not worth a ray.
-    fn follow(
-        &self,
-        point: &Point<'_>,
-        direction: Vec3,
-        factor: Vec3,
-        branch: Branch,
-        samples: &Samples,
-    ) -> Vec3 {
-        if branch.depth > self.depth || branch.weight < LEAST_WEIGHT {
-            return self.world.environment.blurred(direction, 0.3) * factor;
-        }
-        let ray = Ray::new(point.surface.offset_origin(direction), direction);
-        self.trace(ray, branch, samples).radiance * factor
-    }
-
-    /// How many rays something soft gets here.
-    fn soft_rays(&self, branch: &Branch) -> u32 {
-        if branch.depth == 0 && branch.weight > 0.25 {
-            self.soft
-        } else {
-            self.soft.min(1)
-        }
-    }
-
-    fn direct(
-        &self,
-        point: &Point<'_>,
-        diffuse: Vec3,
-        mirror: f32,
-        branch: Branch,
-        samples: &Samples,
-    ) -> Vec3 {
-        let mut sum = Vec3::ZERO;
-        let soft = self.soft_rays(&branch);
-        for (number, lamp) in self.world.lamps.iter().chain(&self.key).enumerate() {
-            let rays = if lamp.is_soft() { soft.max(1) } else { 1 };
-            // Mirrors see lamps with a surface of their own as they are.
-            let highlight = match lamp {
-                Lamp::Sphere { .. } | Lamp::Rectangle { .. } => 1.0 - mirror,
-                _ => 1.0,
-            };
-            let purpose = branch.purpose.wrapping_add(number as u32 * 0x9e37_79b9);
-            let mut part = Vec3::ZERO;
-            for j in 0..rays {
-                let sample = if soft == 0 {
-                    [0.5; 2]
-                } else {
-                    samples.pair(purpose, rays, j)
-                };
-                if let Some(aim) = lamp.aim(point.surface.position, sample) {
-                    part += self.arriving(point, &aim, diffuse, highlight);
-                }
-            }
-            sum += part * (1.0 / rays as f32);
-        }
-        if !self.world.emitters.is_empty() {
-            let rays = soft.max(1) * 2;
-            let mut part = Vec3::ZERO;
-            for j in 0..rays {
-                let sample = samples.pair(branch.purpose ^ 0x3c6e_f372, rays, j);
-                if let Some(aim) =
-                    self.world
-                        .emitters
-                        .aim(self.world, point.surface.position, sample)
-                {
-                    part += self.arriving(point, &aim, diffuse, 1.0 - mirror);
-                }
-            }
-            sum += part * (1.0 / rays as f32);
-        }
-        sum
-    }
-
-    /// What one aim at a lamp brings to the eye.
-    fn arriving(&self, point: &Point<'_>, aim: &Aim, diffuse: Vec3, highlight: f32) -> Vec3 {
-        let cos = point.normal.dot(aim.direction);
-        let true_cos = point.facing.dot(aim.direction);
-        if !(cos > 0.0 && true_cos > 0.0) {
-            return Vec3::ZERO;
-        }
-        let mut scattered = diffuse * (FRAC_1_PI * cos * terminator(point, cos, true_cos));
-        if highlight > 0.0 {
-            let half = (aim.direction + point.to_eye).normalized();
-            let lobe = gloss::lobe(
-                point.normal,
-                point.to_eye,
-                aim.direction,
-                half,
-                point.roughness,
-            );
-            let share = point.fresnel(half.dot(point.to_eye).clamp(0.0, 1.0));
-            scattered += share * (lobe * highlight);
-        }
-        let light = scattered * aim.light;
-        if !(light.max_element() > 0.0) {
-            return Vec3::ZERO;
-        }
-        let origin = point.surface.offset_origin(aim.direction);
-        let ray = match aim.end {
-            Some(end) => Ray::between(origin, end),
-            None => Ray::new(origin, aim.direction),
-        };
-        let light = light * self.world.light_through(&ray, aim.triangle);
-        let brightest = light.max_element();
-        if brightest > BRIGHTEST {
-            light * (BRIGHTEST / brightest)
-        } else {
-            light
-        }
-    }
-
-    /// How much of the even light from around reaches a place: 1 in the open.
-    fn openness(&self, point: &Point<'_>, branch: Branch, samples: &Samples) -> f32 {
-        let rays = self.soft_rays(&branch);
-        let reach = self.world.ambient_reach;
-        if rays == 0 || !(reach > 0.0) {
-            return 1.0;
-        }
-        let mut open = 0.0;
-        for j in 0..rays {
-            let sample = samples.pair(branch.purpose ^ 0x1656_67b1, rays, j);
-            let direction = around_normal(point.normal, sample);
-            if direction.dot(point.facing) <= 0.0 {
-                // Below the triangle, which the smooth surface that it stands for does not cover.
-                open += 1.0;
-                continue;
-            }
-            let ray = Ray::new(point.surface.offset_origin(direction), direction).until(reach);
-            open += self.world.light_through(&ray, None).max_element();
-        }
-        SHELTERED + (1.0 - SHELTERED) * open / rays as f32
+            branch: self.branch.child(2, factor.max_element()),
+        })
     }
 }
 
-/// Softens the edge that flat triangles cut into the shading of the smooth surface they stand for.
-fn terminator(point: &Point<'_>, cos: f32, true_cos: f32) -> f32 {
-    let across = point.normal.dot(point.facing);
-    let share = (true_cos / (cos * across)).clamp(0.0, 1.0);
-    if share < 1.0 {
-        ((1.0 - share) * share + 1.0) * share
-    } else {
-        1.0
-    }
-}
+#[cfg(test)]
+pub(crate) mod tests;

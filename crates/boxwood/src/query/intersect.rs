@@ -20,7 +20,8 @@ use rayon::prelude::*;
 /// [`exactly`](crate::exactly)); so closures that are passed in run in it too.
 ///
 /// The batch calls take slices of rays and run in the caller's rayon pool (`pool.install(|| …)` chooses another one, a
-/// pool of one thread included) when the feature `parallel` is on; the answers do not depend on the threads.
+/// pool of one thread included) when the feature `parallel` is on; the answers do not depend on the threads. Up to 1024 rays stay
+/// on the caller's thread.
 pub trait Intersect: Send + Sync {
     /// Around all primitives; [`Aabb::EMPTY`] when there are none.
     fn bounds(&self) -> Aabb;
@@ -62,6 +63,12 @@ pub trait Intersect: Send + Sync {
     /// # Panics
     /// When the slices differ in length.
     fn occluded_each(&self, rays: &[Ray], occluded: &mut [bool]);
+    /// [`Intersect::occluded_each`], with one primitive in each ray's interval. Which one depends on the structure: for callers that ask again
+    /// where it is one that light passes.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    fn occluders(&self, rays: &[Ray], occluders: &mut [Option<u32>]);
 
     /// The nearest hit that `keep` accepts: cut-outs, back-face culling. `keep` may be asked about any hit in the
     /// interval, in any order, so it must not depend on what it was asked before.
@@ -169,6 +176,12 @@ impl<T: Traverse + Send + Sync> Intersect for T {
         assert_eq!(rays.len(), occluded.len(), "one answer per ray");
         each_chunk(rays, occluded, |rays, occluded| {
             ask_each(self, rays, occluded, Occluded::new, Occluded::found);
+        });
+    }
+    fn occluders(&self, rays: &[Ray], occluders: &mut [Option<u32>]) {
+        assert_eq!(rays.len(), occluders.len(), "one answer per ray");
+        each_chunk(rays, occluders, |rays, occluders| {
+            ask_each(self, rays, occluders, Occluded::new, Occluded::occluder);
         });
     }
 }

@@ -47,7 +47,7 @@ impl Query for Closest {
 #[derive(Clone, Copy, Debug)]
 pub struct Occluded {
     t_max: f32,
-    found: bool,
+    found: Option<u32>,
 }
 
 impl Occluded {
@@ -56,12 +56,17 @@ impl Occluded {
     pub fn new(ray: &Ray) -> Self {
         Self {
             t_max: ray.end(),
-            found: false,
+            found: None,
         }
     }
     /// Whether anything was found.
     #[inline]
     pub fn found(self) -> bool {
+        self.found.is_some()
+    }
+    /// The primitive that was found. Which of those in the interval it is depends on the structure.
+    #[inline]
+    pub fn occluder(self) -> Option<u32> {
         self.found
     }
 }
@@ -73,8 +78,8 @@ impl Query for Occluded {
         self.t_max
     }
     #[inline(always)]
-    fn offer(&mut self, _: Hit) -> ControlFlow<()> {
-        self.found = true;
+    fn offer(&mut self, hit: Hit) -> ControlFlow<()> {
+        self.found = Some(hit.primitive);
         Break(())
     }
 }
