@@ -20,7 +20,7 @@ use rayon::prelude::*;
 /// [`exactly`](crate::exactly)); so closures that are passed in run in it too.
 ///
 /// The batch calls take slices of rays and run in the caller's rayon pool (`pool.install(|| …)` chooses another one, a
-/// pool of one thread included) when the feature `parallel` is on; the answers do not depend on the threads. Up to 1024 rays stay
+/// pool of one thread included) when the feature `parallel` is on; the answers do not depend on the threads. Up to 2048 rays stay
 /// on the caller's thread.
 pub trait Intersect: Send + Sync {
     /// Around all primitives; [`Aabb::EMPTY`] when there are none.
