@@ -15,7 +15,7 @@
 mod bins;
 mod few;
 
-use super::sweep::Cut;
+use super::sweep::{Block, Cut};
 use super::top_down::{Divide, Divided, grow, work};
 use super::{BYTES_EACH, BinaryTree, Item, Sides, items};
 use crate::accel::bvh::refine::Refine;
@@ -31,6 +31,8 @@ use bins::{Bins, MAX_BINS};
 use core::marker::PhantomData;
 use few::FEW;
 
+const MAX_BLOCK: usize = 16;
+
 /// The binned builder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BinnedSah {
@@ -38,6 +40,9 @@ pub struct BinnedSah {
     pub bins: usize,
     /// Most primitives in a leaf, 1 to [`MAX_LEAF`].
     pub max_leaf: usize,
+    /// How many primitives the structure tests at once, 1 to 16, rounded up to a power of two: cuts that leave no places
+    /// empty are then preferred.
+    pub block: usize,
     /// The axes that may be divided.
     pub axes: Axes,
     /// What is done to the tree afterwards.
@@ -49,6 +54,7 @@ impl Default for BinnedSah {
         Self {
             bins: 16,
             max_leaf: 8,
+            block: 1,
             axes: Axes::XYZ,
             refine: Refine::NONE,
         }
@@ -70,6 +76,7 @@ impl BinnedSah {
             settings: Self {
                 bins: self.bins.clamp(2, MAX_BINS),
                 max_leaf: self.max_leaf.clamp(1, MAX_LEAF),
+                block: self.block.clamp(1, MAX_BLOCK),
                 ..*self
             },
             items: PhantomData,
@@ -150,6 +157,9 @@ impl<'i> Divide for Binned<'i> {
 }
 
 impl<'i> Binned<'i> {
+    fn block(&self) -> Block {
+        Block::of(self.settings.block)
+    }
     /// Whether items stay together although they could be cut.
     fn stay(&self, part: &Slice<'i>, cut: &Cut) -> bool {
         let (len, area) = (part.items.len(), part.around.half_area());
@@ -169,7 +179,7 @@ impl<'i> Binned<'i> {
     }
 
     fn divide_few(&self, part: Slice<'i>, may_choose: bool) -> Divided<Slice<'i>> {
-        let Some(found) = few::cheapest_cut(part.items, self.settings.axes) else {
+        let Some(found) = few::cheapest_cut(part.items, self.settings.axes, self.block()) else {
             return self.undecided(part);
         };
         if self.stay(&part, &found.cut) {
@@ -191,7 +201,7 @@ impl<'i> Binned<'i> {
         let bins = Bins::new(count, &part.middles);
         let filled = bins.fill::<N>(part.items);
         let cuts = self.settings.axes.iter().filter_map(|axis| {
-            let cut = filled.cheapest_cut(axis, count);
+            let cut = filled.cheapest_cut(axis, count, self.block());
             cut.map(|cut| (axis, cut))
         });
         let best = cuts.reduce(|a, b| if b.1.is_better(&a.1) { b } else { a });
@@ -216,6 +226,7 @@ bvh_builder!(
     |builder| [
         Setting::count("bins", &mut builder.bins, 2..=MAX_BINS),
         Setting::count("leaf", &mut builder.max_leaf, 1..=MAX_LEAF),
+        Setting::count("block", &mut builder.block, 1..=MAX_BLOCK),
         Setting::axes(&mut builder.axes),
     ],
     +refine

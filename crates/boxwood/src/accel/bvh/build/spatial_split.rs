@@ -14,7 +14,7 @@
 
 mod planes;
 
-use super::sweep::{Cut, Slot, cheapest_cut};
+use super::sweep::{Block, Cut, Slot, cheapest_cut};
 use super::top_down::{Divide, Divided, grow, work};
 use super::{BYTES_EACH, BinaryTree, Item, Sides, items};
 use crate::accel::bvh::refine::Refine;
@@ -150,7 +150,7 @@ impl<P: Primitives + Sync> Splitter<'_, P> {
             keys.clear();
             keys.extend((0..).zip(items).map(|(i, item)| item.key(axis, i)));
             keys.sort_unstable();
-            let cut = cheapest_cut(items.len(), u32::MAX, behind, |i| Slot {
+            let cut = cheapest_cut(items.len(), u32::MAX, Block::ONE, behind, |i| Slot {
                 sides: items[keys[i] as u32 as usize].sides(),
                 begin: 1,
                 end: 1,

@@ -35,10 +35,36 @@ impl Cut {
     }
 }
 
-/// What some primitives cost: a number, even for infinite boxes that are flat.
+/// How many primitives are tested at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Block {
+    mask: u32,
+}
+
+impl Block {
+    pub const ONE: Self = Self { mask: 0 };
+
+    /// So many, or the next power of two.
+    pub fn of(size: usize) -> Self {
+        Self {
+            mask: size.next_power_of_two() as u32 - 1,
+        }
+    }
+
+    /// The places of so many blocks that all have one.
+    #[inline(always)]
+    fn filled(self, count: u32) -> u32 {
+        (count + self.mask) & !self.mask
+    }
+}
+
+/// What some primitives cost that are tested in blocks: a number, even for infinite boxes that are flat.
+///
+/// Half of it by the blocks that they would fill alone, half by their number: blocks alone would force rows of long
+/// primitives into fours, their number alone leaves a quarter of all places empty.
 #[inline(always)]
-fn cost(sides: &Sides, count: u32) -> f32 {
-    let cost = sides.half_area() * count as f32;
+fn cost(sides: &Sides, count: u32, block: Block) -> f32 {
+    let cost = sides.half_area() * (0.5 * (count as f32 + block.filled(count) as f32));
     if cost < f32::INFINITY {
         cost
     } else {
@@ -50,11 +76,12 @@ fn cost(sides: &Sides, count: u32) -> f32 {
 const NONE: u64 = u64::MAX;
 
 /// The cheapest cut of a row of `len` slots that leaves primitives on both sides and, where some are cut in two, at most
-/// `most` in all. `behind` is scratch for at least `len` numbers.
+/// `most` in all. A test takes a block of primitives at once. `behind` is scratch for at least `len` numbers.
 #[inline(always)]
 pub(super) fn cheapest_cut(
     len: usize,
     most: u32,
+    block: Block,
     behind: &mut [f32],
     slot: impl Fn(usize) -> Slot,
 ) -> Option<Cut> {
@@ -63,7 +90,7 @@ pub(super) fn cheapest_cut(
     for i in (1..len).rev() {
         let slot = slot(i);
         (sides, right) = (sides.around(&slot.sides), right + slot.end);
-        behind[i] = cost(&sides, right);
+        behind[i] = cost(&sides, right, block);
     }
     // Cost above evenness in one number, the least of which is the best: positive floats ascend like whole numbers. A
     // branch would be foreseen badly.
@@ -76,7 +103,7 @@ pub(super) fn cheapest_cut(
         if at > 1 {
             right -= before.end;
         }
-        let cost = cost(&sides, left) + behind[at];
+        let cost = cost(&sides, left, block) + behind[at];
         let cut = u64::from(cost.to_bits()) << 32 | u64::from(!left.min(right));
         let counts = (left != 0) & (right != 0) & (left + right <= most);
         let cut = if counts { cut } else { NONE };

@@ -9,7 +9,7 @@
 //!
 //! *Source.* Goldsmith & Salmon 1987; MacDonald & Booth 1990; the presorted rows of Wald & Havran 2006 and Wald 2007.
 
-use super::sweep::{Cut, Slot, cheapest_cut};
+use super::sweep::{Block, Cut, Slot, cheapest_cut};
 #[cfg(feature = "parallel")]
 use super::top_down::SEQUENTIAL;
 use super::top_down::{Divide, Divided, grow, work};
@@ -135,7 +135,7 @@ impl Sweep<'_> {
     /// The cheapest cut along one axis.
     fn cut(row: &[Item], axis: usize) -> Option<(usize, Cut)> {
         let weigh = |behind: &mut [f32]| {
-            let cut = cheapest_cut(row.len(), u32::MAX, behind, |i| Slot {
+            let cut = cheapest_cut(row.len(), u32::MAX, Block::ONE, behind, |i| Slot {
                 sides: row[i].sides(),
                 begin: 1,
                 end: 1,

@@ -1,5 +1,6 @@
 //! Builders of wide trees by name.
 
+use super::leaf::Leaves;
 use super::{Precision, WideBvh};
 use crate::accel::bvh::{BinnedSah, Refine};
 use crate::accel::limits::{Limits, unlimited};
@@ -31,7 +32,7 @@ pub struct WideSah<const N: usize> {
 impl<const N: usize> Default for WideSah<N> {
     fn default() -> Self {
         Self {
-            bins: 16,
+            bins: 32,
             axes: Axes::XYZ,
             refine: Refine::NONE,
             isa: Isa::best(),
@@ -63,7 +64,8 @@ where
     ) -> Result<WideBvh<P, N>, BuildError> {
         let binned = BinnedSah {
             bins: self.bins,
-            max_leaf: 4,
+            max_leaf: Leaves::LANES,
+            block: Leaves::LANES,
             axes: self.axes,
             refine: self.refine,
         };

@@ -1,6 +1,6 @@
 //! Bins of one node: filling them, weighing the cuts between them, and cutting there.
 
-use crate::accel::bvh::build::sweep::{Cut, Slot, cheapest_cut};
+use crate::accel::bvh::build::sweep::{Block, Cut, Slot, cheapest_cut};
 use crate::accel::bvh::build::{Item, Sides};
 #[cfg(feature = "parallel")]
 use {crate::accel::bvh::build::top_down::SEQUENTIAL, crate::threads::Exactly, rayon::prelude::*};
@@ -126,9 +126,9 @@ impl<const N: usize> Filled<N> {
     }
 
     /// The cheapest cut on one axis that leaves something on both sides.
-    pub fn cheapest_cut(&self, axis: usize, bins: usize) -> Option<Cut> {
+    pub fn cheapest_cut(&self, axis: usize, bins: usize, block: Block) -> Option<Cut> {
         let (sides, counts) = (&self.sides[axis], &self.counts[axis]);
-        cheapest_cut(bins.min(N), u32::MAX, &mut [0.0; N], |i| Slot {
+        cheapest_cut(bins.min(N), u32::MAX, block, &mut [0.0; N], |i| Slot {
             sides: sides[i],
             begin: counts[i],
             end: counts[i],

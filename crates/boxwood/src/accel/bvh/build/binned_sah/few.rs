@@ -5,7 +5,7 @@
 
 use crate::accel::Axes;
 use crate::accel::bvh::build::Item;
-use crate::accel::bvh::build::sweep::{Cut, Slot, cheapest_cut as cheapest_cut_of_row};
+use crate::accel::bvh::build::sweep::{Block, Cut, Slot, cheapest_cut as cheapest_cut_of_row};
 
 /// How many a handful is.
 pub(super) const FEW: usize = 8;
@@ -31,12 +31,12 @@ impl Found {
 }
 
 /// The cheapest cut between at most [`FEW`] items.
-pub(super) fn cheapest_cut(items: &[Item], axes: Axes) -> Option<Found> {
+pub(super) fn cheapest_cut(items: &[Item], axes: Axes, block: Block) -> Option<Found> {
     let orders = orders(items);
     let mut best: Option<Found> = None;
     for axis in axes.iter() {
         let order = orders[axis];
-        let cut = cheapest_cut_of_row(items.len(), u32::MAX, &mut [0.0; FEW], |i| Slot {
+        let cut = cheapest_cut_of_row(items.len(), u32::MAX, block, &mut [0.0; FEW], |i| Slot {
             sides: items[usize::from(order[i])].sides(),
             begin: 1,
             end: 1,
