@@ -252,12 +252,15 @@ pub struct CastArgs {
 #[derive(Args, Debug)]
 pub struct TracingArgs {
     /// The acceleration structure; the answers are the same for all
-    #[arg(long, value_name = "KIND", default_value_t, help = accel_help())]
+    #[arg(long, value_name = "KIND", default_value = FASTEST, help = accel_help())]
     pub accel: StructureKind,
 
     #[command(flatten)]
     pub threads: ThreadArgs,
 }
+
+/// What traces fastest on most machines.
+const FASTEST: &str = "wide8";
 
 /// How much of the machine is used.
 #[derive(Args, Debug)]

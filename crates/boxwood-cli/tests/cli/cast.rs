@@ -106,7 +106,7 @@ fn the_nearest_hits() {
         ]
     );
     assert_eq!((&report["rays"], &report["hits"]), (&4.into(), &2.into()));
-    assert_eq!(report["structure"], "bvh:binned");
+    assert_eq!(report["structure"], "wide8");
     assert!(report["mrays_per_second"].as_f64() > Some(0.0));
 }
 
