@@ -27,7 +27,7 @@ use crate::world::World;
 use boxwood::{Hit, Ray, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
-/// The most rays that travel together: as many as a batch call keeps on its thread. A thread that waited for others in the
+/// The most rays that travel together: no more than a batch call keeps on its thread. A thread that waited for others in the
 /// middle of a tile would begin another one meanwhile.
 pub(crate) const WAVE: usize = 1024;
 /// A branch that contributes less than this is not followed.

@@ -3,6 +3,7 @@
 use crate::accel::bvh::{BinaryTree, MAX_DEPTH};
 use crate::geometry::Aabb;
 use crate::primitive::Primitives;
+use crate::simd::exactly;
 
 /// What is wrong with a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -84,6 +85,10 @@ pub enum TreeFlaw {
 /// # Errors
 /// The first flaw found.
 pub fn validate(tree: &BinaryTree, primitives: &impl Primitives) -> Result<(), TreeFlaw> {
+    exactly(|| examine(tree, primitives))
+}
+
+fn examine(tree: &BinaryTree, primitives: &impl Primitives) -> Result<(), TreeFlaw> {
     let (nodes, order) = (&tree.nodes, &tree.order);
     if order.len() < primitives.len() || nodes.is_empty() != order.is_empty() {
         return Err(TreeFlaw::Count {

@@ -4,6 +4,7 @@ use super::{Primitives, Surfaces};
 use crate::geometry::triangle::{self, Meeting, moller_trumbore, overlap, watertight};
 use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Surface, Vec3};
 use crate::query::{Counters, Query};
+use crate::simd::exactly;
 use alloc::vec::Vec;
 use core::ops::ControlFlow::{self, Continue};
 
@@ -88,10 +89,12 @@ impl TriangleMesh {
         positions: impl IntoIterator<Item = [f64; 3]>,
         triangles: impl IntoIterator<Item = [I; 3]>,
     ) -> Result<Self, MeshError> {
-        Self::new(
-            positions.into_iter().map(|p| p.map(|x| x as f32)),
-            triangles,
-        )
+        exactly(|| {
+            Self::new(
+                positions.into_iter().map(|p| p.map(|x| x as f32)),
+                triangles,
+            )
+        })
     }
 
     /// The same from flat lists: `x y z x y z …` and `a b c a b c …`.

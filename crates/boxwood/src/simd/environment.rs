@@ -8,7 +8,9 @@
 //! *Cost.* To read and compare it takes a few cycles; to change it twice, some tens.
 //!
 //! *Rule.* The compiler does not know that floats depend on the register and may move operations across its change. Hence
-//! all work is behind a call that is never inlined: nothing of it happens before or after.
+//! all work is behind a call that is never inlined, and which touches memory, as the change may too: so it stays in its place.
+//!
+//! *Where.* x86-64 and 64-bit ARM; WebAssembly has one mode only. Elsewhere the caller's mode is taken for the usual one.
 
 use register::Register;
 
@@ -63,8 +65,12 @@ impl Drop for Restored {
 
 /// Runs `work` in the mode of a careless caller (subnormal numbers count as zero, and rounding is upwards), for tests: no
 /// code of Rust's is meant to run so. Returns whether there is such a mode and `work` left it as it was.
+///
+/// # Safety
+/// What the compiler makes of floats is for the usual mode. `work` may compute with them only behind [`exactly`], or must be
+/// content with any number.
 #[doc(hidden)]
-pub fn carelessly(work: impl FnOnce()) -> bool {
+pub unsafe fn carelessly(work: impl FnOnce()) -> bool {
     let before = register::read();
     let careless = register::careless(before);
     let _restored = Restored::after_change(before, careless);
@@ -114,7 +120,7 @@ mod register {
         // SAFETY: what is written was read before, or differs from it in bits that every such processor has. Work in
         // between is behind a call, so that no operation of ours is in another mode than it was written for.
         unsafe {
-            asm!("ldmxcsr [{}]", in(reg) &raw const register, options(nostack, preserves_flags));
+            asm!("ldmxcsr [{}]", in(reg) &raw const register, options(nostack));
         }
     }
 }
@@ -186,8 +192,17 @@ mod register {
 
 #[cfg(all(test, not(miri), any(target_arch = "x86_64", target_arch = "aarch64")))]
 mod tests {
-    use super::*;
+    use super::exactly;
     use core::hint::black_box;
+
+    fn carelessly(work: impl FnOnce()) -> bool {
+        // SAFETY: the numbers are made of what the compiler does not know, and looked at.
+        unsafe { super::carelessly(work) }
+    }
+
+    fn apart<R>(work: impl FnOnce() -> R) -> R {
+        super::apart(work)
+    }
 
     /// What becomes of a subnormal result, a subnormal operand, and a quotient that is usually rounded down.
     fn signs_of_a_mode() -> [f32; 3] {

@@ -8,7 +8,7 @@ use core::str::FromStr;
 /// An instruction set that this machine has: `portable` (everywhere), `avx2` and `avx512` (x86-64, found at run time), `neon`
 /// (64-bit ARM) or `simd128` (WebAssembly that is compiled with `-C target-feature=+simd128`).
 ///
-/// Answers do not depend on it, only their time does.
+/// Answers do not depend on it, only their time does (but see [`Precision::Fast`](crate::Precision::Fast)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Isa(Level);
 

@@ -11,7 +11,14 @@ pub struct Row<const N: usize, const R: usize>(u32);
 
 impl<const N: usize, const R: usize> Row<N, R> {
     /// Row 0.
-    pub const FIRST: Self = Self(0);
+    pub const FIRST: Self = {
+        let () = Self::FITS;
+        Self(0)
+    };
+    const FITS: () = assert!(
+        N.is_power_of_two() && R.is_multiple_of(2) && R > 0,
+        "pairs of rows, each as long as a power of two"
+    );
     const BYTES: u32 = size_of::<[f32; N]>() as u32;
 
     /// Row `index`.
@@ -20,7 +27,7 @@ impl<const N: usize, const R: usize> Row<N, R> {
     /// When there are fewer.
     #[inline(always)]
     pub fn new(index: usize) -> Self {
-        const { assert!(N.is_power_of_two() && R.is_multiple_of(2)) };
+        let () = Self::FITS;
         assert!(index < R, "a row that is there");
         Self(index as u32 * Self::BYTES)
     }
@@ -36,8 +43,8 @@ impl<const N: usize, const R: usize> Rows<N, R> {
     /// A row.
     #[inline(always)]
     pub fn at(&self, row: Row<N, R>) -> &[f32; N] {
-        // SAFETY: only `new` and `neighbour` make a `Row`: the start of one of `R` rows, since the number of rows is even
-        // and the size of one a power of two.
+        // SAFETY: only `FIRST`, `new` and `neighbour` make a `Row`: the start of one of `R` rows, since the number of rows
+        // is even and the size of one a power of two, as the first two have asserted.
         unsafe { &*self.0.as_ptr().byte_add(row.0 as usize) }
     }
 }

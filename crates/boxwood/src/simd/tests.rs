@@ -27,14 +27,19 @@ impl<const N: usize> Kernel<N> for Everything<N> {
             .flat_map(|x| x.to_array())
             .map(|x| if x.is_nan() { 0 } else { x.to_bits() })
             .collect();
+        // Signs of NaN too.
+        let signs = [a.abs(), a.signed_as(b)];
+        out.extend(signs.iter().flat_map(|x| x.to_array()).map(f32::to_bits));
         for mask in [a.le(b), a.lt(b), a.le(b) & b.le(a), a.lt(b) | b.lt(a)] {
             out.push(mask.bits());
             let mut stack = Stack::<99>::new();
-            stack.top::<N>().push::<S>(
-                U::<S, N>::load(s, &core::array::from_fn(|i| i as u32)).permute(order),
-                a,
-                mask,
-            );
+            stack.begin(77);
+            let children = U::<S, N>::load(s, &core::array::from_fn(|i| i as u32)).permute(order);
+            for _ in 0..2 {
+                stack.top::<N>().push::<S>(children, a, mask);
+            }
+            stack.forget_beyond::<S, N>(s, 1.5);
+            stack.top::<N>().push::<S>(children, a, mask);
             while let Some((child, entry)) = stack.pop() {
                 out.extend([child, entry.to_bits()]);
             }

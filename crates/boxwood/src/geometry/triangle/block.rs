@@ -114,7 +114,7 @@ impl TriangleBlock {
             };
             // An earlier lane may have shortened the interval.
             if hit.t <= query.t_max() && seen(hit.primitive) {
-                if determinant[lane].abs() < TINY {
+                if lanes.exact && determinant[lane].abs() < TINY {
                     return Break(Stop::Uncovered);
                 }
                 if query.offer(hit).is_break() {
@@ -206,6 +206,7 @@ pub struct Meetings {
     u: [f32; RayGroup::LANES],
     v: [f32; RayGroup::LANES],
     determinant: [f32; RayGroup::LANES],
+    exact: bool,
     primitive: u32,
 }
 
@@ -225,7 +226,7 @@ impl Meetings {
     /// Whether the proof of the slack covers it; see [`Stop::Uncovered`].
     #[inline(always)]
     pub fn is_covered(&self, ray: usize) -> bool {
-        self.determinant[ray % RayGroup::LANES].abs() >= TINY
+        !self.exact || self.determinant[ray % RayGroup::LANES].abs() >= TINY
     }
 }
 
@@ -278,12 +279,13 @@ impl TriangleBlock {
         let determinant = (u + v) + w;
         let r = splat(s, 1.0) / determinant;
         let t = (((u * z0 + v * z1) + w * z2) * load(s, rays.shear[2])) * r;
-        let rays = (inside & load(s, rays.t_min).le(t) & t.le(load(s, t_max))).bits();
-        if rays == 0 {
+        let met = (inside & load(s, rays.t_min).le(t) & t.le(load(s, t_max))).bits();
+        if met == 0 {
             return None;
         }
         Some(Meetings {
-            rays,
+            rays: met,
+            exact: rays.exact,
             t: t.to_array(),
             u: (v * r).to_array(),
             v: (w * r).to_array(),

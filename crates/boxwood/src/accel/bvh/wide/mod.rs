@@ -42,7 +42,7 @@ use packet::Outcome;
 /// A hierarchy of nodes with `N` children (8 or 16) over owned, borrowed or shared primitives.
 ///
 /// It runs on the best instruction set of the machine, or the one named by the environment variable `BOXWOOD_ISA`; nodes
-/// and answers do not depend on it.
+/// and answers do not depend on it, but for those of [`Precision::Fast`].
 #[derive(Clone, Debug)]
 pub struct WideBvh<P, const N: usize> {
     primitives: P,
@@ -120,9 +120,14 @@ where
         Self { isa, ..self }
     }
 
-    /// The same tree, looked at so exactly.
+    /// The same tree, looked at so exactly. Primitives that are not triangles are always met exactly.
     #[must_use]
     pub fn with_precision(self, precision: Precision) -> Self {
+        let precision = if P::TRIANGLES {
+            precision
+        } else {
+            Precision::Exact
+        };
         Self { precision, ..self }
     }
 

@@ -13,8 +13,9 @@ pub enum Precision {
     #[default]
     Exact,
     /// Boxes without slack and edges without the errors of their products: a ray that is aimed at an edge or a corner may
-    /// slip through or meet the neighbour, as with most libraries. Tame rays only; others are met exactly. The answers are
-    /// no longer those of other structures, and a packet may give others than a ray alone.
+    /// slip through or meet the neighbour, as with most libraries. The answers are no longer those of other structures, and
+    /// they may depend on the instruction set and on the way of asking. Only meshes and tame rays are met so; other primitives and
+    /// rays exactly, and explaining and counting go the exact way or the portable one.
     Fast,
 }
 
