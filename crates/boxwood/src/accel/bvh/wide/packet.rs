@@ -17,7 +17,7 @@ use crate::geometry::triangle::block::{RayGroup, TriangleBlock};
 use crate::geometry::{PreparedRay, Ray};
 use crate::primitive::Primitives;
 use crate::query::Query;
-use crate::simd::{F, Floats, Kernel, Lanes, Mask, Simd, U, Words};
+use crate::simd::{F, Floats, Kernel, Lanes, Mask, Simd, Stack, U, Words};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -88,7 +88,7 @@ const MOST_STEPS: usize = 4 * RAYS;
 impl Packet {
     /// For a tree of such a depth.
     pub fn for_depth<const N: usize>(depth: usize, precision: Precision) -> Self {
-        let height = depth * (N - 1) + 1 + N;
+        let height = Stack::<0>::room(depth, N);
         Self {
             origin: [ROW; 3],
             shear: [ROW; 3],
