@@ -22,7 +22,7 @@ mod environment;
 mod isa;
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 mod neon;
-pub mod pages;
+mod pages;
 mod portable;
 #[cfg(any(
     all(target_arch = "x86_64", feature = "std"),
@@ -41,6 +41,7 @@ pub use environment::{carelessly, exactly};
 pub use isa::{Isa, UnknownIsa};
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 pub use neon::Neon;
+pub use pages::Pages;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 pub use simd128::Simd128;
 #[cfg(all(target_arch = "x86_64", feature = "std"))]

@@ -79,7 +79,7 @@ impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Batch<'_, P, Q, N> {
     #[inline(always)]
     fn run<S: Simd + Lanes<N>>(self, s: S) {
         let Batch { bvh, rays, queries } = self;
-        let nodes = bvh.nodes.as_slice();
+        let nodes = &*bvh.nodes;
         let mut slots = [const { Slot::IDLE }; SLOTS];
         let mut stacks: [Stack<ROOM>; SLOTS] = array::from_fn(|_| Stack::new());
         let mut waiting = rays.iter().enumerate();

@@ -8,7 +8,7 @@ use crate::accel::bvh::tree::BinaryTree;
 use crate::accel::limits::Site;
 use crate::geometry::Aabb;
 use crate::primitive::Primitives;
-use crate::simd::pages;
+use crate::simd::Pages;
 use alloc::vec::Vec;
 
 /// Root, nodes, leaves and depth of a wide tree whose leaves made of subtrees hold at most so many primitives; nothing useful where
@@ -18,14 +18,14 @@ pub fn collapse<P: Primitives, const N: usize>(
     tree: &BinaryTree,
     max_leaf: usize,
     site: &Site<'_>,
-) -> Result<(Child, Vec<Node<N>>, Leaves, usize), BuildError> {
+) -> Result<(Child, Pages<Node<N>>, Leaves, usize), BuildError> {
     let plan = Plan::new(primitives, tree, max_leaf, site);
     let mut wide = Wide {
         primitives,
         tree,
         plan,
         site,
-        nodes: Vec::new(),
+        nodes: Pages::default(),
         leaves: Leaves::default(),
         ids: Vec::new(),
         depth: 0,
@@ -40,7 +40,7 @@ struct Wide<'a, P, const N: usize> {
     tree: &'a BinaryTree,
     plan: Plan<'a, N>,
     site: &'a Site<'a>,
-    nodes: Vec<Node<N>>,
+    nodes: Pages<Node<N>>,
     leaves: Leaves,
     ids: Vec<u32>,
     depth: usize,
@@ -62,7 +62,7 @@ impl<P: Primitives, const N: usize> Wide<'_, P, N> {
         if !self.site.take(bytes) {
             return Ok(Child::NOTHING);
         }
-        self.nodes = pages::with_capacity(nodes);
+        self.nodes = Pages::with_room(nodes);
         self.leaves = Leaves::with_capacity::<P>(blocks);
         let root = self.child(0);
         if !root.is_leaf() {

@@ -3,8 +3,7 @@
 use crate::geometry::triangle::block::{BlockRay, LANES, Stop, TriangleBlock};
 use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Query};
-use crate::simd::{Lanes, address, pages};
-use alloc::vec::Vec;
+use crate::simd::{Lanes, Pages, address};
 use core::ops::ControlFlow::{self, Break, Continue};
 use core::ops::Range;
 
@@ -14,8 +13,8 @@ const NONE: u32 = u32::MAX;
 /// The blocks of all leaves. One of the lists is empty: which, is decided by [`Primitives::TRIANGLES`].
 #[derive(Clone, Debug, Default)]
 pub struct Leaves {
-    triangles: Vec<TriangleBlock>,
-    ids: Vec<[u32; LANES]>,
+    triangles: Pages<TriangleBlock>,
+    ids: Pages<[u32; LANES]>,
 }
 
 impl Leaves {
@@ -30,8 +29,8 @@ impl Leaves {
             (0, blocks)
         };
         Self {
-            triangles: pages::with_capacity(triangles),
-            ids: pages::with_capacity(ids),
+            triangles: Pages::with_room(triangles),
+            ids: Pages::with_room(ids),
         }
     }
 

@@ -30,9 +30,8 @@ use crate::geometry::{Aabb, PreparedRay, Ray};
 use crate::inspect::{self, Cell, Statistics, TreeFlaw};
 use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Query, Traverse};
-use crate::simd::{Isa, Level, Portable, Vectorize, exactly};
+use crate::simd::{Isa, Level, Pages, Portable, Vectorize, exactly};
 use alloc::vec;
-use alloc::vec::Vec;
 use core::mem;
 use core::ops::ControlFlow::Break;
 use leaf::Leaves;
@@ -50,7 +49,7 @@ pub struct WideBvh<P, const N: usize> {
     /// The largest |coordinate| of the bounds.
     scale: f32,
     root: Child,
-    nodes: Vec<Node<N>>,
+    nodes: Pages<Node<N>>,
     leaves: Leaves,
     /// Whether some primitives lie in several leaves, each of which holds a part of them.
     cut: bool,
