@@ -55,7 +55,7 @@ pub(crate) struct PairRay {
     first: [usize; 3],
     last: [usize; 3],
     /// By axis, for the first planes of both boxes and the last ones: what they are multiplied with, and what is then
-    /// subtracted.
+    /// added.
     factor: [[f32; 4]; 3],
     shift: [[f32; 4]; 3],
     t_min: f32,
@@ -64,11 +64,11 @@ pub(crate) struct PairRay {
 impl PairRay {
     #[inline(always)]
     pub fn new(ray: &PreparedRay) -> Self {
-        let [inverse, near, far] = ray.slab_terms();
+        let [inverse, enter, leave] = ray.slab_terms();
         let row = |k: usize| if inverse[k] < 0.0 { k + 3 } else { k };
         let opposite = |k: usize| if inverse[k] < 0.0 { k } else { k + 3 };
         let factor = |k: usize| [inverse[k], inverse[k], -inverse[k], -inverse[k]];
-        let shift = |k: usize| [near[k], near[k], -far[k], -far[k]];
+        let shift = |k: usize| [enter[k], enter[k], -leave[k], -leave[k]];
         Self {
             first: [row(0), row(1), row(2)],
             last: [opposite(0), opposite(1), opposite(2)],
@@ -98,10 +98,10 @@ impl PairRay {
         let (p, q) = (pair.planes(self.first[axis]), pair.planes(self.last[axis]));
         let (m, s) = (self.factor[axis], self.shift[axis]);
         let at = [
-            p[0] * m[0] - s[0],
-            p[1] * m[1] - s[1],
-            q[0] * m[2] - s[2],
-            q[1] * m[3] - s[3],
+            p[0] * m[0] + s[0],
+            p[1] * m[1] + s[1],
+            q[0] * m[2] + s[2],
+            q[1] * m[3] + s[3],
         ];
         [
             if at[0] > ends[0] { at[0] } else { ends[0] },

@@ -72,7 +72,7 @@ const TINY_SCENE: f32 = 1.0 / (1_u64 << 20) as f32;
 const HUGE: f32 = (1_u64 << 28) as f32;
 
 /// For each axis the two after it, in a circle, and itself. The fourth is for a mask that names none.
-const ROUND: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
+static ROUND: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
 /// The same for lanes.
 const ROUND_LANES: [[u32; 4]; 4] = [[1, 2, 0, 3], [2, 0, 1, 3], [0, 1, 2, 3], [0, 1, 2, 3]];
 
@@ -84,16 +84,6 @@ fn largest<S: Lanes<4>>(s: S, v: F<S, 4>) -> F<S, 4> {
         U::<S, 4>::from_nibbles(s, 0x3102),
     ];
     v.max(v.permute(next)).max(v.permute(last))
-}
-
-/// Of the first three lanes, in the first.
-#[inline(always)]
-fn sum<S: Lanes<4>>(s: S, v: F<S, 4>) -> F<S, 4> {
-    let [next, last] = [
-        U::<S, 4>::from_nibbles(s, 0x3021),
-        U::<S, 4>::from_nibbles(s, 0x3102),
-    ];
-    v + v.permute(next) + v.permute(last)
 }
 
 /// A ray with all that box and triangle tests need. Read the ray's own fields through it; `t_min` and `t_max` are
@@ -113,23 +103,34 @@ pub struct PreparedRay {
     ray: Ray,
     /// `1 / direction`, raised as above. Of these four the last number means nothing: they are what lanes leave.
     inverse: [f32; 4],
-    /// What is subtracted from `plane · inverse` to get where the ray enters a slab, and where it leaves.
-    near: [f32; 4],
-    far: [f32; 4],
-    /// The axis of the largest |direction| and the two after it.
-    pub(crate) axes: [usize; 3],
-    /// `d[kx] / d[kz]`, `d[ky] / d[kz]` and `1 / d[kz]`, for a ray that is not tame those of the scaled direction.
-    pub(crate) shear: [f32; 3],
+    /// What is added to `plane · inverse` to get where the ray enters a slab, and where it leaves.
+    enter: [f32; 4],
+    leave: [f32; 4],
+    pub(crate) leaning: Leaning,
     slack: f64,
     /// The power of two in the scaled direction; 0 when the ray is tame.
     scaled: f32,
 }
 
+/// What the triangle test needs of a ray. It is read from memory, number by number, at each leaf: a choice among registers
+/// by the ray's axes would be branches that rays in any order mispredict.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leaning {
+    /// The axis of the largest |direction|, after the two that follow it in a circle.
+    pub axes: &'static [usize; 3],
+    /// The origin in the order of `axes`. The fourth number means nothing.
+    pub origin: [f32; 4],
+    /// `d[kx] / d[kz]`, `d[ky] / d[kz]` and `1 / d[kz]`, for a ray that is not tame those of the scaled direction.
+    pub shear: [f32; 3],
+    /// The start of its interval.
+    pub t_min: f32,
+}
+
 /// What slab tests need of a ray, in lanes: who walks on with it at once has it in registers.
 pub(crate) struct Facing<S: Lanes<4>> {
     inverse: F<S, 4>,
-    near: F<S, 4>,
-    far: F<S, 4>,
+    enter: F<S, 4>,
+    leave: F<S, 4>,
 }
 
 impl<S: Lanes<4>> Facing<S> {
@@ -140,11 +141,12 @@ impl<S: Lanes<4>> Facing<S> {
         let towards = direction + F::<S, 4>::splat(s, 0.0);
         let inverse = F::<S, 4>::splat(s, 1.0) / direction.abs().max(floor).signed_as(towards);
         let pad = inverse.abs() * F::<S, 4>::splat(s, slack);
-        let at = origin * inverse;
+        let zero = F::<S, 4>::splat(s, 0.0);
+        let back = (zero - origin) * inverse;
         Self {
             inverse,
-            near: at + pad,
-            far: at - pad,
+            enter: back - pad,
+            leave: back + pad,
         }
     }
 
@@ -153,8 +155,8 @@ impl<S: Lanes<4>> Facing<S> {
     pub fn slab_terms(&self) -> [[f32; 4]; 3] {
         [
             self.inverse.to_array(),
-            self.near.to_array(),
-            self.far.to_array(),
+            self.enter.to_array(),
+            self.leave.to_array(),
         ]
     }
 
@@ -187,10 +189,14 @@ impl PreparedRay {
             t_max: 0.0,
         },
         inverse: [0.0; 4],
-        near: [0.0; 4],
-        far: [0.0; 4],
-        axes: [0, 1, 2],
-        shear: [0.0; 3],
+        enter: [0.0; 4],
+        leave: [0.0; 4],
+        leaning: Leaning {
+            axes: &[0, 1, 2],
+            origin: [0.0; 4],
+            shear: [0.0; 3],
+            t_min: 0.0,
+        },
         slack: 0.0,
         scaled: 0.0,
     };
@@ -222,12 +228,11 @@ impl PreparedRay {
         let direction = F::<S, 4>::load(s, &[d.x, d.y, d.z, ray.t_max]);
         let (size, distance) = (direction.abs(), origin.abs());
         let [largest, reach] = [largest(s, size), largest(s, distance)];
-        // Sums, because they keep NaN and infinity.
         let huge = F::<S, 4>::splat(s, HUGE);
-        let inside = sum(s, distance).lt(huge)
-            & sum(s, size).lt(huge)
-            & F::<S, 4>::splat(s, HUGE.recip()).lt(largest);
-        if !((inside.bits() & 1 == 1) & (t_min <= t_max) & Self::is_tame_scene(scale)) {
+        // Comparisons that fail for NaN and infinity.
+        let inside =
+            distance.lt(huge) & size.lt(huge) & F::<S, 4>::splat(s, HUGE.recip()).lt(largest);
+        if !((inside.bits() & 7 == 7) & (t_min <= t_max) & Self::is_tame_scene(scale)) {
             return None;
         }
         // The lowest axis wins a tie.
@@ -251,8 +256,12 @@ impl PreparedRay {
                 direction: first(direction),
                 t_max,
             },
-            axes: ROUND[kz],
-            shear: [shear[0], shear[1], facing.inverse.to_array()[kz]],
+            leaning: Leaning {
+                axes: &ROUND[kz],
+                origin: origin.permute(round).to_array(),
+                shear: [shear[0], shear[1], facing.inverse.to_array()[kz]],
+                t_min,
+            },
             slack: f64::from(slack),
             ..Self::IDLE
         };
@@ -270,7 +279,7 @@ impl PreparedRay {
         if !(t_min <= t_max && o.is_finite() && d.is_finite() && largest > 0.0) {
             return None;
         }
-        let axes @ [kx, ky, _] = ROUND[kz];
+        let axes @ &[kx, ky, _] = &ROUND[kz];
         let reach = o.abs().max_element();
         let slack = 32.0 * f64::from(UNIT) * (f64::from(scale) + f64::from(reach));
         let power = math::power_to_one(largest);
@@ -281,8 +290,12 @@ impl PreparedRay {
                 t_max,
                 ..*ray
             },
-            axes,
-            shear: [d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]],
+            leaning: Leaning {
+                axes,
+                origin: [o[kx], o[ky], o[kz], 0.0],
+                shear: [d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]],
+                t_min,
+            },
             slack,
             scaled: power,
             ..Self::IDLE
@@ -300,11 +313,11 @@ impl PreparedRay {
 
     #[inline(always)]
     fn facing<S: Lanes<4>>(self, facing: &Facing<S>) -> Self {
-        let [inverse, near, far] = facing.slab_terms();
+        let [inverse, enter, leave] = facing.slab_terms();
         Self {
             inverse,
-            near,
-            far,
+            enter,
+            leave,
             ..self
         }
     }
@@ -321,10 +334,10 @@ impl PreparedRay {
         (!self.is_tame()).then_some(self.scaled)
     }
 
-    /// `1 / direction`, and what is subtracted from `plane · inverse` to get where the ray enters and leaves a slab.
+    /// `1 / direction`, and what is added to `plane · inverse` to get where the ray enters and leaves a slab.
     #[inline(always)]
     pub(crate) fn slab_terms(&self) -> [[f32; 4]; 3] {
-        [self.inverse, self.near, self.far]
+        [self.inverse, self.enter, self.leave]
     }
 
     /// `1 / direction`, where coordinates that are nearly zero are raised: finite for a tame ray, and right to 1 u.
@@ -349,8 +362,8 @@ impl PreparedRay {
             let l = b.lower[axis] * self.inverse[axis];
             let u = b.upper[axis] * self.inverse[axis];
             // Written out: each is one instruction, while `f32::min` is five for the sake of NaN.
-            let near = (if l < u { l } else { u }) - self.near[axis];
-            let far = (if l > u { l } else { u }) - self.far[axis];
+            let near = (if l < u { l } else { u }) + self.enter[axis];
+            let far = (if l > u { l } else { u }) + self.leave[axis];
             enter = if near > enter { near } else { enter };
             leave = if far < leave { far } else { leave };
         }
@@ -394,13 +407,13 @@ impl PreparedRay {
             return self.crossing_f64(axis, plane);
         }
         let at = plane * self.inverse[axis];
-        (at - self.near[axis], at - self.far[axis])
+        (at + self.enter[axis], at + self.leave[axis])
     }
 
     /// What [`Self::crossing`] computes with for a tame ray, by axis: `plane · [0] − [1]` and `plane · [0] − [2]`.
     #[inline(always)]
     pub(crate) fn crossings(&self) -> [[f32; 3]; 3] {
-        [0, 1, 2].map(|axis| [self.inverse[axis], self.near[axis], self.far[axis]])
+        [0, 1, 2].map(|axis| [self.inverse[axis], self.enter[axis], self.leave[axis]])
     }
 
     #[cold]

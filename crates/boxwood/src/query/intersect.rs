@@ -117,14 +117,14 @@ impl<T: Traverse + Send + Sync> Intersect for T {
     fn explain(&self, ray: &Ray) -> Vec<Event> {
         let explained = Explained::default();
         let query = explained.query(Closest::new(ray));
-        exactly(|| ask(self, ray, query, &mut explained.counters()));
+        exactly(|| ask(self, ray, query, &mut explained.counters(), |_| ()));
         explained.events()
     }
     fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        exactly(|| ask(self, ray, Closest::new(ray), &mut ()).hit())
+        exactly(|| ask(self, ray, Closest::new(ray), &mut (), Closest::hit))
     }
     fn occluded(&self, ray: &Ray) -> bool {
-        exactly(|| ask(self, ray, Occluded::new(ray), &mut ()).found())
+        exactly(|| ask(self, ray, Occluded::new(ray), &mut (), Occluded::found))
     }
     fn all_hits(&self, ray: &Ray) -> Vec<Hit> {
         exactly(|| show::<true, _>(self, ray, AllHits::new(ray), &mut ()).sorted())
@@ -186,14 +186,17 @@ impl<T: Traverse + Send + Sync> Intersect for T {
     }
 }
 
-fn ask<Q: Query>(
+#[inline(always)]
+fn ask<Q: Query, A>(
     structure: &impl Traverse,
     ray: &Ray,
     mut query: Q,
     counters: &mut impl super::Counters,
-) -> Q {
+    answer: impl Fn(&Q) -> A,
+) -> A {
     structure.traverse(ray, &mut query, counters);
-    query
+    // From where it lies: a query that moves is copied in larger pieces than it was written in, which waits.
+    answer(&query)
 }
 
 /// The same through [`Visit`], with `ORDERED` as its hint: one loop is compiled for all the questions that are asked less
@@ -220,11 +223,11 @@ fn ask_each<Q: Query, A>(
     rays: &[Ray],
     answers: &mut [A],
     question: impl Fn(&Ray) -> Q,
-    answer: impl Fn(Q) -> A,
+    answer: impl Fn(&Q) -> A,
 ) {
     let mut queries: Vec<Q> = rays.iter().map(question).collect();
     structure.traverse_each(rays, &mut queries, &mut ());
-    for (place, query) in answers.iter_mut().zip(queries) {
+    for (place, query) in answers.iter_mut().zip(&queries) {
         *place = answer(query);
     }
 }

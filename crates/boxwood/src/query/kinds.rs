@@ -2,14 +2,15 @@
 
 use super::Query;
 use crate::geometry::{Hit, Ray};
+use crate::simd::alone;
 use alloc::vec::Vec;
 use core::ops::ControlFlow::{self, Break, Continue};
 
 /// The nearest hit; of equally near ones that of the lowest (instance, primitive).
 #[derive(Clone, Copy, Debug)]
 pub struct Closest {
-    t_max: f32,
-    hit: Option<Hit>,
+    /// Behind every hit that may come, as long as nothing was found.
+    best: Hit,
 }
 
 impl Closest {
@@ -17,27 +18,45 @@ impl Closest {
     #[inline]
     pub fn new(ray: &Ray) -> Self {
         Self {
-            t_max: ray.end(),
-            hit: None,
+            best: Hit {
+                t: ray.end(),
+                u: 0.0,
+                v: 0.0,
+                primitive: u32::MAX,
+                instance: u32::MAX,
+            },
         }
     }
     /// What was found; `None` for a miss.
     #[inline]
-    pub fn hit(self) -> Option<Hit> {
-        self.hit
+    pub fn hit(&self) -> Option<Hit> {
+        let Hit {
+            t,
+            u,
+            v,
+            primitive,
+            instance,
+        } = &self.best;
+        let (primitive, instance) = (alone(primitive), alone(instance));
+        (primitive & instance != u32::MAX).then(|| Hit {
+            t: alone(t),
+            u: alone(u),
+            v: alone(v),
+            primitive,
+            instance,
+        })
     }
 }
 
 impl Query for Closest {
     #[inline(always)]
     fn t_max(&self) -> f32 {
-        self.t_max
+        self.best.t
     }
     #[inline(always)]
     fn offer(&mut self, hit: Hit) -> ControlFlow<()> {
-        if self.hit.is_none_or(|best| hit.is_before(&best)) {
-            self.t_max = hit.t;
-            self.hit = Some(hit);
+        if hit.is_before(&self.best) {
+            self.best = hit;
         }
         Continue(())
     }
@@ -61,12 +80,12 @@ impl Occluded {
     }
     /// Whether anything was found.
     #[inline]
-    pub fn found(self) -> bool {
+    pub fn found(&self) -> bool {
         self.found.is_some()
     }
     /// The primitive that was found. Which of those in the interval it is depends on the structure.
     #[inline]
-    pub fn occluder(self) -> Option<u32> {
+    pub fn occluder(&self) -> Option<u32> {
         self.found
     }
 }

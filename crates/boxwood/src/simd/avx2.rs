@@ -188,8 +188,8 @@ impl Floats<4> for F4 {
         op!(M4(_mm_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)))
     }
     #[inline(always)]
-    fn times_less(self, factor: Self, less: Self) -> Self {
-        op!(Self(_mm_fmsub_ps(self.0, factor.0, less.0)))
+    fn times_more(self, factor: Self, more: Self) -> Self {
+        op!(Self(_mm_fmadd_ps(self.0, factor.0, more.0)))
     }
     #[inline(always)]
     fn product_error(self, factor: Self, product: Self) -> Self {
@@ -286,8 +286,8 @@ impl Floats<8> for F8 {
         op!(M8(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)))
     }
     #[inline(always)]
-    fn times_less(self, factor: Self, less: Self) -> Self {
-        op!(Self(_mm256_fmsub_ps(self.0, factor.0, less.0)))
+    fn times_more(self, factor: Self, more: Self) -> Self {
+        op!(Self(_mm256_fmadd_ps(self.0, factor.0, more.0)))
     }
     #[inline(always)]
     fn product_error(self, factor: Self, product: Self) -> Self {

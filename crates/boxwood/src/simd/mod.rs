@@ -139,9 +139,9 @@ pub trait Floats<const N: usize>:
     fn le(self, other: Self) -> Self::Mask;
     /// `self < other`.
     fn lt(self, other: Self) -> Self::Mask;
-    /// `self * factor - less`, rounded once where the level can and twice where not: for boxes only, whose slack covers
+    /// `self * factor + more`, rounded once where the level can and twice where not: for boxes only, whose slack covers
     /// either. Never for what an answer is made of.
-    fn times_less(self, factor: Self, less: Self) -> Self;
+    fn times_more(self, factor: Self, more: Self) -> Self;
     /// `self * factor - product` exactly, where `product` is `self * factor` rounded: the same bits on every level.
     fn product_error(self, factor: Self, product: Self) -> Self;
     /// Lane `i` of the result is lane `order[i]`.
@@ -186,6 +186,15 @@ pub trait Words<const N: usize>: Copy {
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
     /// Lane `i` in bit `i`.
     fn bits(self) -> u32;
+}
+
+/// Reads a number that has just been written, by a load of its own. Left to itself, the compiler reads neighbours together;
+/// but a processor hands a store on to a later load only if it holds all that is loaded, and waits else until the store has
+/// left for the cache, with all that was to be done meanwhile.
+#[inline(always)]
+pub fn alone<T: Copy>(number: &T) -> T {
+    // SAFETY: a reference can be read.
+    unsafe { core::ptr::from_ref(number).read_volatile() }
 }
 
 /// Where an element lies, or would lie: for [`prefetch`].
@@ -258,7 +267,7 @@ macro_rules! door {
             #[inline]
             fn vectorize<K: Kernel<$n>>(self, kernel: K) -> K::Output {
                 match self {
-                    Self::Portable(s) => kernel.run(s),
+                    Self::Portable(s) => s.vectorize(kernel),
                     $(
                         #[$there]
                         Self::$level(s) => s.vectorize(kernel),

@@ -242,12 +242,12 @@ impl Floats<4> for F4 {
         op!(M4(vcltq_f32(self.0, other.0)))
     }
     #[inline(always)]
-    fn times_less(self, factor: Self, less: Self) -> Self {
-        op!(Self(vfmaq_f32(vnegq_f32(less.0), self.0, factor.0)))
+    fn times_more(self, factor: Self, more: Self) -> Self {
+        op!(Self(vfmaq_f32(more.0, self.0, factor.0)))
     }
     #[inline(always)]
     fn product_error(self, factor: Self, product: Self) -> Self {
-        self.times_less(factor, product)
+        op!(Self(vfmaq_f32(vnegq_f32(product.0), self.0, factor.0)))
     }
     #[inline(always)]
     fn permute(self, order: U4) -> Self {

@@ -26,7 +26,8 @@ impl<const N: usize> Vectorize<N> for Portable
 where
     Level: Vectorize<N>,
 {
-    #[inline(always)]
+    /// A call, as at the other levels: inlined, its frame would be that of those who go through another door.
+    #[inline(never)]
     fn vectorize<K: Kernel<N>>(self, kernel: K) -> K::Output {
         kernel.run(self)
     }
@@ -101,8 +102,8 @@ impl<const N: usize> Floats<N> for Array<f32, N> {
         Array(from_fn(|i| self.0[i] < other.0[i]))
     }
     #[inline(always)]
-    fn times_less(self, factor: Self, less: Self) -> Self {
-        self * factor - less
+    fn times_more(self, factor: Self, more: Self) -> Self {
+        self * factor + more
     }
     #[inline(always)]
     fn product_error(self, factor: Self, product: Self) -> Self {

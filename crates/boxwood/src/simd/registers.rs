@@ -120,8 +120,8 @@ macro_rules! registers {
                 Registers([$(self.0[$k].lt(other.0[$k])),*])
             }
             #[inline(always)]
-            fn times_less(self, factor: Self, less: Self) -> Self {
-                Self([$(self.0[$k].times_less(factor.0[$k], less.0[$k])),*])
+            fn times_more(self, factor: Self, more: Self) -> Self {
+                Self([$(self.0[$k].times_more(factor.0[$k], more.0[$k])),*])
             }
             #[inline(always)]
             fn product_error(self, factor: Self, product: Self) -> Self {

@@ -188,8 +188,8 @@ impl Floats<4> for F4 {
         M4(f32x4_lt(self.0, other.0))
     }
     #[inline(always)]
-    fn times_less(self, factor: Self, less: Self) -> Self {
-        self * factor - less
+    fn times_more(self, factor: Self, more: Self) -> Self {
+        self * factor + more
     }
     #[inline(always)]
     fn product_error(self, factor: Self, product: Self) -> Self {

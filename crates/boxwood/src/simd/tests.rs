@@ -85,14 +85,14 @@ where
                 "{level:?} seed {seed}"
             );
             let rows: [[f32; N]; 3] = [row(0), row(1), row(2)];
-            let found = level.vectorize(TimesLess::<N>(rows));
-            for ((found, x), (by, less)) in
+            let found = level.vectorize(TimesMore::<N>(rows));
+            for ((found, x), (by, more)) in
                 found.iter().zip(rows[0]).zip(rows[1].iter().zip(rows[2]))
             {
-                let (once, twice) = (x.mul_add(*by, -less), x * by - less);
+                let (once, twice) = (x.mul_add(*by, more), x * by + more);
                 assert!(
                     *found == once || *found == twice || found.is_nan() && twice.is_nan(),
-                    "{level:?}: {x:e} * {by:e} - {less:e} is {found:e}"
+                    "{level:?}: {x:e} * {by:e} + {more:e} is {found:e}"
                 );
             }
         }
@@ -100,15 +100,15 @@ where
 }
 
 /// The one operation that may round once or twice.
-struct TimesLess<const N: usize>([[f32; N]; 3]);
+struct TimesMore<const N: usize>([[f32; N]; 3]);
 
-impl<const N: usize> Kernel<N> for TimesLess<N> {
+impl<const N: usize> Kernel<N> for TimesMore<N> {
     type Output = [f32; N];
     #[inline(always)]
     fn run<S: Simd + Lanes<N>>(self, s: S) -> [f32; N] {
-        let [x, by, less] = &self.0;
+        let [x, by, more] = &self.0;
         let load = F::<S, N>::load;
-        load(s, x).times_less(load(s, by), load(s, less)).to_array()
+        load(s, x).times_more(load(s, by), load(s, more)).to_array()
     }
 }
 

@@ -82,9 +82,9 @@ impl<P: Primitives> Traverse for KdTree<P> {
                 counters.node();
                 let (axis, plane) = (node.axis(), node.plane());
                 let (early, late) = if tame {
-                    let [inverse, near, far] = lines[axis];
+                    let [inverse, enter, leave] = lines[axis];
                     let at = plane * inverse;
-                    (at - near, at - far)
+                    (at + enter, at + leave)
                 } else {
                     ray.crossing(axis, plane)
                 };

@@ -7,6 +7,7 @@
 //! [`watertight`]: super::watertight
 
 use super::watertight::TINY;
+use crate::geometry::ray::Leaning;
 use crate::geometry::{Hit, PreparedRay, Vec3};
 use crate::query::Query;
 use crate::simd::{F, Floats, Lanes, Mask};
@@ -62,14 +63,17 @@ impl TriangleBlock {
     #[inline(always)]
     pub fn offer<S: Lanes<LANES>, Q: Query>(
         &self,
-        lanes: &BlockRay<'_, S>,
+        at: &BlockRay<'_, S>,
         query: &mut Q,
         seen: impl Fn(u32) -> bool,
     ) -> ControlFlow<Stop> {
-        let s = lanes.s;
-        let [kx, ky, kz] = lanes.axes;
-        let [ox, oy, oz] = lanes.origin;
-        let [sx, sy, iz] = lanes.shear;
+        let s = at.s;
+        let splat = F::<S, LANES>::splat;
+        let &[kx, ky, kz] = at.leaning.axes;
+        let [ox, oy, oz, _] = at.leaning.origin;
+        let [ox, oy, oz] = [splat(s, ox), splat(s, oy), splat(s, oz)];
+        let [sx, sy, iz] = at.leaning.shear;
+        let [sx, sy, iz] = [splat(s, sx), splat(s, sy), splat(s, iz)];
         let [a, b, c] = &self.corners;
         let z0 = F::<S, LANES>::load(s, &a[kz]) - oz;
         let z1 = F::<S, LANES>::load(s, &b[kz]) - oz;
@@ -80,7 +84,7 @@ impl TriangleBlock {
         let y0 = (F::<S, LANES>::load(s, &a[ky]) - oy) - sy * z0;
         let y1 = (F::<S, LANES>::load(s, &b[ky]) - oy) - sy * z1;
         let y2 = (F::<S, LANES>::load(s, &c[ky]) - oy) - sy * z2;
-        let (u, v, w) = if lanes.exact {
+        let (u, v, w) = if at.exact {
             (
                 difference_of_products(x2, y1, y2, x1),
                 difference_of_products(x0, y2, y0, x2),
@@ -96,7 +100,7 @@ impl TriangleBlock {
         let r = F::<S, LANES>::splat(s, 1.0) / determinant;
         let t = (((u * z0 + v * z1) + w * z2) * iz) * r;
         let t_max = F::<S, LANES>::splat(s, query.t_max());
-        let mut found = (inside & lanes.t_min.le(t) & t.le(t_max)).bits();
+        let mut found = (inside & splat(s, at.leaning.t_min).le(t) & t.le(t_max)).bits();
         if found == 0 {
             return Continue(());
         }
@@ -114,7 +118,7 @@ impl TriangleBlock {
             };
             // An earlier lane may have shortened the interval.
             if hit.t <= query.t_max() && seen(hit.primitive) {
-                if lanes.exact && determinant[lane].abs() < TINY {
+                if at.exact && determinant[lane].abs() < TINY {
                     return Break(Stop::Uncovered);
                 }
                 if query.offer(hit).is_break() {
@@ -141,45 +145,14 @@ fn difference_of_products<const N: usize, T: Floats<N>>(a: T, b: T, c: T, d: T) 
     (p - q) + (a.product_error(b, p) - c.product_error(d, q))
 }
 
-/// A tame ray, and what the test needs of it in every lane.
-pub struct BlockRay<'r, S: Lanes<LANES>> {
+/// A tame ray at a leaf.
+pub struct BlockRay<'r, S> {
+    pub s: S,
     pub ray: &'r PreparedRay,
-    s: S,
-    exact: bool,
-    /// Those of the ray.
-    axes: [usize; 3],
-    /// In the order of `axes`.
-    origin: [F<S, LANES>; 3],
-    shear: [F<S, LANES>; 3],
-    t_min: F<S, LANES>,
-}
-
-impl<'r, S: Lanes<LANES>> BlockRay<'r, S> {
-    /// The ray must be [tame](PreparedRay::is_tame). Edges are met with the errors of their products if `exact`.
-    #[inline(always)]
-    pub fn new(s: S, ray: &'r PreparedRay, exact: bool) -> Self {
-        let axes @ [kx, ky, kz] = ray.axes;
-        // Here, and not at every triangle.
-        assert!(kx < 3 && ky < 3 && kz < 3, "three axes");
-        let [sx, sy, iz] = ray.shear;
-        Self {
-            ray,
-            s,
-            exact,
-            axes,
-            origin: [
-                F::<S, LANES>::splat(s, ray.origin[kx]),
-                F::<S, LANES>::splat(s, ray.origin[ky]),
-                F::<S, LANES>::splat(s, ray.origin[kz]),
-            ],
-            shear: [
-                F::<S, LANES>::splat(s, sx),
-                F::<S, LANES>::splat(s, sy),
-                F::<S, LANES>::splat(s, iz),
-            ],
-            t_min: F::<S, LANES>::splat(s, ray.t_min),
-        }
-    }
+    /// The ray's own, wherever it is at hand.
+    pub leaning: &'r Leaning,
+    /// Whether edges are met with the errors of their products.
+    pub exact: bool,
 }
 
 /// Sixteen tame rays with the same axes.

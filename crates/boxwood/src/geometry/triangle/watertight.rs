@@ -36,12 +36,12 @@ pub fn intersect([a, b, c]: [Vec3; 3], ray: &PreparedRay, t_max: f32) -> Option<
 fn sheared([a, b, c]: [Vec3; 3], ray: &PreparedRay) -> ([f32; 3], [f32; 3], [f32; 3]) {
     let [a, b, c] = [a - ray.origin, b - ray.origin, c - ray.origin];
     // One well predicted branch per triangle: within a ray it always goes the same way.
-    let [a, b, c] = match ray.axes[2] {
+    let [a, b, c] = match ray.leaning.axes[2] {
         0 => [[a.y, a.z, a.x], [b.y, b.z, b.x], [c.y, c.z, c.x]],
         1 => [[a.z, a.x, a.y], [b.z, b.x, b.y], [c.z, c.x, c.y]],
         _ => [[a.x, a.y, a.z], [b.x, b.y, b.z], [c.x, c.y, c.z]],
     };
-    let [sx, sy, _] = ray.shear;
+    let [sx, sy, _] = ray.leaning.shear;
     (
         [a[0] - sx * a[2], b[0] - sx * b[2], c[0] - sx * c[2]],
         [a[1] - sy * a[2], b[1] - sy * b[2], c[1] - sy * c[2]],
@@ -79,7 +79,7 @@ fn decide(
     t_max: f32,
     t_unit: f64,
 ) -> Option<(Meeting, bool)> {
-    let iz = ray.shear[2];
+    let iz = ray.leaning.shear[2];
     // Rounding is monotone: what the exact edge functions accept passes this. Most triangles end here.
     let (u, v, w) = (x2 * y1 - y2 * x1, x0 * y2 - y0 * x2, x1 * y0 - y1 * x0);
     // One branch instead of six that nobody can predict.

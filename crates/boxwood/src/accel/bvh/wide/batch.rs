@@ -198,11 +198,16 @@ impl<const N: usize> Slot<N> {
         query: &mut Q,
         stack: &mut Stack<ROOM>,
     ) {
-        let lanes = BlockRay::<S>::new(s, &self.ray, bvh.precision.is_exact());
+        let at = BlockRay {
+            s,
+            ray: &self.ray,
+            leaning: &self.ray.leaning,
+            exact: bvh.precision.is_exact(),
+        };
         let blocks = self.current.blocks();
         let shown = bvh
             .leaves
-            .offer(blocks, &bvh.primitives, &lanes, query, &mut ());
+            .offer(blocks, &bvh.primitives, &at, query, &mut ());
         match shown {
             Continue(()) => {
                 if query.t_max() < self.t_max {

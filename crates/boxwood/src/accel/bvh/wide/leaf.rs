@@ -93,7 +93,7 @@ impl Leaves {
         &self,
         blocks: Range<usize>,
         primitives: &P,
-        lanes: &BlockRay<'_, S>,
+        at: &BlockRay<'_, S>,
         query: &mut Q,
         counters: &mut C,
     ) -> ControlFlow<Stop> {
@@ -101,7 +101,7 @@ impl Leaves {
             let mask = query.mask();
             for block in &self.triangles[blocks] {
                 counters.primitives(block.count());
-                block.offer(lanes, query, |id| primitives.mask(id as usize) & mask != 0)?;
+                block.offer(at, query, |id| primitives.mask(id as usize) & mask != 0)?;
             }
         } else {
             for block in &self.ids[blocks] {
@@ -109,8 +109,7 @@ impl Leaves {
                     if id == NONE {
                         break;
                     }
-                    if primitive::offer(primitives, id as usize, lanes.ray, query, counters)
-                        .is_break()
+                    if primitive::offer(primitives, id as usize, at.ray, query, counters).is_break()
                     {
                         return Break(Stop::Enough);
                     }

@@ -152,12 +152,12 @@ impl<const N: usize> Node<N> {
     ) -> (F<S, N>, F<S, N>) {
         let [x, y, z] = ray.rows;
         let load = |row| F::<S, N>::load(s, self.planes.at(row));
-        let near_x = load(x).times_less(ray.inverse[0], ray.near[0]);
-        let near_y = load(y).times_less(ray.inverse[1], ray.near[1]);
-        let near_z = load(z).times_less(ray.inverse[2], ray.near[2]);
-        let far_x = load(x.neighbour()).times_less(ray.inverse[0], ray.far[0]);
-        let far_y = load(y.neighbour()).times_less(ray.inverse[1], ray.far[1]);
-        let far_z = load(z.neighbour()).times_less(ray.inverse[2], ray.far[2]);
+        let near_x = load(x).times_more(ray.inverse[0], ray.enter[0]);
+        let near_y = load(y).times_more(ray.inverse[1], ray.enter[1]);
+        let near_z = load(z).times_more(ray.inverse[2], ray.enter[2]);
+        let far_x = load(x.neighbour()).times_more(ray.inverse[0], ray.leave[0]);
+        let far_y = load(y.neighbour()).times_more(ray.inverse[1], ray.leave[1]);
+        let far_z = load(z.neighbour()).times_more(ray.inverse[2], ray.leave[2]);
         (
             near_x.max(near_y).max(near_z.max(ray.t_min)),
             far_x.min(far_y).min(far_z.min(t_max)),
@@ -235,8 +235,8 @@ impl Heading {
 /// A tame ray in every lane.
 pub struct WideRay<S: Lanes<N>, const N: usize> {
     inverse: [F<S, N>; 3],
-    near: [F<S, N>; 3],
-    far: [F<S, N>; 3],
+    enter: [F<S, N>; 3],
+    leave: [F<S, N>; 3],
     t_min: F<S, N>,
     /// Of the planes that it meets first.
     rows: [Row<N, 6>; 3],
@@ -246,14 +246,14 @@ impl<S: Lanes<N>, const N: usize> WideRay<S, N> {
     #[inline(always)]
     pub fn new(
         s: S,
-        [inverse, near, far]: [[f32; 4]; 3],
+        [inverse, enter, leave]: [[f32; 4]; 3],
         t_min: f32,
         rows: [Row<N, 6>; 3],
     ) -> Self {
         Self {
             inverse: splat::<S, N>(s, inverse),
-            near: splat::<S, N>(s, near),
-            far: splat::<S, N>(s, far),
+            enter: splat::<S, N>(s, enter),
+            leave: splat::<S, N>(s, leave),
             t_min: F::<S, N>::splat(s, t_min),
             rows,
         }

@@ -57,8 +57,8 @@ pub struct Packet {
     origin: [Row; 3],
     shear: [Row; 3],
     inverse: [Row; 3],
-    near: [Row; 3],
-    far: [Row; 3],
+    enter: [Row; 3],
+    leave: [Row; 3],
     t_min: Row,
     /// Below every `t_min` for a ray that asks no more.
     t_max: Row,
@@ -93,8 +93,8 @@ impl Packet {
             origin: [ROW; 3],
             shear: [ROW; 3],
             inverse: [ROW; 3],
-            near: [ROW; 3],
-            far: [ROW; 3],
+            enter: [ROW; 3],
+            leave: [ROW; 3],
             t_min: ROW,
             t_max: ROW,
             heading: Heading::NONE,
@@ -206,10 +206,10 @@ impl Packet {
                 };
                 let inverse = one / raised;
                 let pad = inverse.abs() * slack;
-                let at = o[k] * inverse;
+                let back = (zero - o[k]) * inverse;
                 self.inverse[k][group] = inverse.to_array();
-                self.near[k][group] = (at + pad).to_array();
-                self.far[k][group] = (at - pad).to_array();
+                self.enter[k][group] = (back - pad).to_array();
+                self.leave[k][group] = (back + pad).to_array();
                 least_inverse[k] = least_inverse[k].min(inverse);
                 most_inverse[k] = most_inverse[k].max(inverse);
                 least_origin[k] = least_origin[k].min(o[k] - slack);
@@ -433,10 +433,10 @@ impl Packet {
         for k in 0..3 {
             let [near, far] = self.heading.plane(node, k, lane);
             let inverse = F::<S, LANES>::load(s, &self.inverse[k][group]);
-            let from = F::<S, LANES>::load(s, &self.near[k][group]);
-            let to = F::<S, LANES>::load(s, &self.far[k][group]);
-            entry = entry.max(F::<S, LANES>::splat(s, near).times_less(inverse, from));
-            exit = exit.min(F::<S, LANES>::splat(s, far).times_less(inverse, to));
+            let enter = F::<S, LANES>::load(s, &self.enter[k][group]);
+            let leave = F::<S, LANES>::load(s, &self.leave[k][group]);
+            entry = entry.max(F::<S, LANES>::splat(s, near).times_more(inverse, enter));
+            exit = exit.min(F::<S, LANES>::splat(s, far).times_more(inverse, leave));
         }
         entry.le(exit).bits()
     }

@@ -8,6 +8,7 @@ use crate::geometry::{PreparedRay, Ray};
 use crate::primitive::Primitives;
 use crate::query::{Counters, Query};
 use crate::simd::{F, Floats, Kernel, Lanes, Mask, Simd, Stack, U, Words};
+use core::hint::black_box;
 use core::ops::ControlFlow::{self, Break, Continue};
 
 /// Enough for 64 levels that each leave 15 of 16 children behind.
@@ -54,7 +55,10 @@ where
 {
     let heading = Heading::of(s, facing);
     let wide = WideRay::<S, N>::new(s, facing.slab_terms(), ray.t_min, heading.rows());
-    let lanes = BlockRay::<S>::new(s, ray, bvh.precision.is_exact());
+    // In memory, for the compiler would otherwise spread it over registers before the first node, needed or not.
+    let leaning = ray.leaning;
+    let leaning = black_box(&leaning);
+    let exact = bvh.precision.is_exact();
     let mut t_max = F::<S, N>::splat(s, query.t_max());
     let mut stack = Stack::<ROOM>::new();
     let mut current = bvh.root;
@@ -86,8 +90,14 @@ where
             }
         }
         counters.leaf();
+        let at = BlockRay {
+            s,
+            ray,
+            leaning,
+            exact,
+        };
         bvh.leaves
-            .offer(current.blocks(), &bvh.primitives, &lanes, query, counters)?;
+            .offer(current.blocks(), &bvh.primitives, &at, query, counters)?;
         t_max = F::<S, N>::splat(s, query.t_max());
         match next(&mut stack, query) {
             Some(child) => current = child,
