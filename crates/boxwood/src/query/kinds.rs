@@ -49,6 +49,7 @@ impl Closest {
 }
 
 impl Query for Closest {
+    const ONE_HIT: bool = true;
     #[inline(always)]
     fn t_max(&self) -> f32 {
         self.best.t
@@ -92,6 +93,7 @@ impl Occluded {
 
 impl Query for Occluded {
     const ORDERED: bool = false;
+    const ONE_HIT: bool = true;
     #[inline(always)]
     fn t_max(&self) -> f32 {
         self.t_max

@@ -20,6 +20,9 @@ use core::ops::ControlFlow;
 pub trait Query {
     /// Whether near children should be visited first. Only a hint: the answer is the same without.
     const ORDERED: bool = true;
+    /// Whether one hit is all it wants: the nearest one (of equally near ones the first by [`Hit::is_before`]), or, if it is
+    /// not `ORDERED`, any one. Only for queries without a mask or a time. Then a structure may keep the others to itself.
+    const ONE_HIT: bool = false;
     /// Nothing beyond this counts any more; never grows, and begins at the ray's own `t_max`, read as in [`Ray::end`].
     fn t_max(&self) -> f32;
     /// Only primitives whose [`mask`](crate::Primitives::mask) shares a bit with this are met. All by default.
@@ -40,6 +43,7 @@ pub trait Query {
 
 impl<Q: Query> Query for &mut Q {
     const ORDERED: bool = Q::ORDERED;
+    const ONE_HIT: bool = Q::ONE_HIT;
     #[inline(always)]
     fn t_max(&self) -> f32 {
         (**self).t_max()

@@ -188,6 +188,10 @@ impl Floats<4> for F4 {
         op!(M4(_mm_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)))
     }
     #[inline(always)]
+    fn choose(self, chosen: M4, other: Self) -> Self {
+        op!(Self(_mm_blendv_ps(other.0, self.0, chosen.0)))
+    }
+    #[inline(always)]
     fn times_more(self, factor: Self, more: Self) -> Self {
         op!(Self(_mm_fmadd_ps(self.0, factor.0, more.0)))
     }
@@ -284,6 +288,10 @@ impl Floats<8> for F8 {
     #[inline(always)]
     fn lt(self, other: Self) -> M8 {
         op!(M8(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn choose(self, chosen: M8, other: Self) -> Self {
+        op!(Self(_mm256_blendv_ps(other.0, self.0, chosen.0)))
     }
     #[inline(always)]
     fn times_more(self, factor: Self, more: Self) -> Self {

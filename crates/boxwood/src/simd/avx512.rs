@@ -54,7 +54,7 @@ macro_rules! level {
     ($n:literal: $f:ident $u:ident $m:ident, $ps:ident $si:ident $bits:ident;
      $add:ident $sub:ident $mul:ident $div:ident $min:ident $max:ident $cmp:ident
      $and:ident $andnot:ident $or:ident;
-     $fmadd:ident $fmsub:ident $set1:ident $load:ident $store:ident $permute:ident $compress:ident;
+     $fmadd:ident $fmsub:ident $blend:ident $set1:ident $load:ident $store:ident $permute:ident $compress:ident;
      $load_u:ident $store_u:ident $permute_u:ident $compress_u:ident; |$packed:ident| $nibbles:expr) => {
         /// Floats of this width.
         #[derive(Clone, Copy)]
@@ -162,6 +162,10 @@ macro_rules! level {
                 op!($m($cmp::<_CMP_LT_OQ>(self.0, other.0)))
             }
             #[inline(always)]
+            fn choose(self, chosen: $m, other: Self) -> Self {
+                op!(Self($blend(chosen.0, other.0, self.0)))
+            }
+            #[inline(always)]
             fn times_more(self, factor: Self, more: Self) -> Self {
                 op!(Self($fmadd(self.0, factor.0, more.0)))
             }
@@ -208,7 +212,7 @@ macro_rules! level {
 level!(16: F16 U16 M16, __m512 __m512i __mmask16;
     _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_min_ps _mm512_max_ps _mm512_cmp_ps_mask
     _mm512_and_ps _mm512_andnot_ps _mm512_or_ps;
-    _mm512_fmadd_ps _mm512_fmsub_ps _mm512_set1_ps _mm512_loadu_ps _mm512_storeu_ps _mm512_permutexvar_ps _mm512_maskz_compress_ps;
+    _mm512_fmadd_ps _mm512_fmsub_ps _mm512_mask_blend_ps _mm512_set1_ps _mm512_loadu_ps _mm512_storeu_ps _mm512_permutexvar_ps _mm512_maskz_compress_ps;
     _mm512_loadu_epi32 _mm512_storeu_epi32 _mm512_permutexvar_epi32 _mm512_maskz_compress_epi32;
     |packed| _mm512_srlv_epi32(
         _mm512_permutexvar_epi32(
@@ -219,7 +223,7 @@ level!(16: F16 U16 M16, __m512 __m512i __mmask16;
 level!(8: F8 U8 M8, __m256 __m256i __mmask8;
     _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_min_ps _mm256_max_ps _mm256_cmp_ps_mask
     _mm256_and_ps _mm256_andnot_ps _mm256_or_ps;
-    _mm256_fmadd_ps _mm256_fmsub_ps _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps _mm256_permutexvar_ps _mm256_maskz_compress_ps;
+    _mm256_fmadd_ps _mm256_fmsub_ps _mm256_mask_blend_ps _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps _mm256_permutexvar_ps _mm256_maskz_compress_ps;
     _mm256_loadu_epi32 _mm256_storeu_epi32 _mm256_permutexvar_epi32 _mm256_maskz_compress_epi32;
     |packed| _mm256_srlv_epi32(
         _mm256_set1_epi32(packed as i32), _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28)));
@@ -248,6 +252,6 @@ unsafe fn permute4_words(order: __m128i, x: __m128i) -> __m128i {
 level!(4: F4 U4 M4, __m128 __m128i __mmask8;
     _mm_add_ps _mm_sub_ps _mm_mul_ps _mm_div_ps _mm_min_ps _mm_max_ps _mm_cmp_ps_mask
     _mm_and_ps _mm_andnot_ps _mm_or_ps;
-    _mm_fmadd_ps _mm_fmsub_ps _mm_set1_ps _mm_loadu_ps _mm_storeu_ps permute4 _mm_maskz_compress_ps;
+    _mm_fmadd_ps _mm_fmsub_ps _mm_mask_blend_ps _mm_set1_ps _mm_loadu_ps _mm_storeu_ps permute4 _mm_maskz_compress_ps;
     _mm_loadu_epi32 _mm_storeu_epi32 permute4_words _mm_maskz_compress_epi32;
     |packed| _mm_srlv_epi32(_mm_set1_epi32(packed as i32), _mm_setr_epi32(0, 4, 8, 12)));

@@ -139,6 +139,8 @@ pub trait Floats<const N: usize>:
     fn le(self, other: Self) -> Self::Mask;
     /// `self < other`.
     fn lt(self, other: Self) -> Self::Mask;
+    /// `self` in the chosen lanes, `other` in the rest.
+    fn choose(self, chosen: Self::Mask, other: Self) -> Self;
     /// `self * factor + more`, rounded once where the level can and twice where not: for boxes only, whose slack covers
     /// either. Never for what an answer is made of.
     fn times_more(self, factor: Self, more: Self) -> Self;

@@ -242,6 +242,10 @@ impl Floats<4> for F4 {
         op!(M4(vcltq_f32(self.0, other.0)))
     }
     #[inline(always)]
+    fn choose(self, chosen: M4, other: Self) -> Self {
+        op!(Self(vbslq_f32(chosen.0, self.0, other.0)))
+    }
+    #[inline(always)]
     fn times_more(self, factor: Self, more: Self) -> Self {
         op!(Self(vfmaq_f32(more.0, self.0, factor.0)))
     }

@@ -102,6 +102,14 @@ impl<const N: usize> Floats<N> for Array<f32, N> {
         Array(from_fn(|i| self.0[i] < other.0[i]))
     }
     #[inline(always)]
+    fn choose(self, chosen: Self::Mask, other: Self) -> Self {
+        Self(from_fn(
+            |i| {
+                if chosen.0[i] { self.0[i] } else { other.0[i] }
+            },
+        ))
+    }
+    #[inline(always)]
     fn times_more(self, factor: Self, more: Self) -> Self {
         self * factor + more
     }

@@ -120,6 +120,10 @@ macro_rules! registers {
                 Registers([$(self.0[$k].lt(other.0[$k])),*])
             }
             #[inline(always)]
+            fn choose(self, chosen: Self::Mask, other: Self) -> Self {
+                Self([$(self.0[$k].choose(chosen.0[$k], other.0[$k])),*])
+            }
+            #[inline(always)]
             fn times_more(self, factor: Self, more: Self) -> Self {
                 Self([$(self.0[$k].times_more(factor.0[$k], more.0[$k])),*])
             }

@@ -188,6 +188,10 @@ impl Floats<4> for F4 {
         M4(f32x4_lt(self.0, other.0))
     }
     #[inline(always)]
+    fn choose(self, chosen: M4, other: Self) -> Self {
+        Self(v128_bitselect(self.0, other.0, chosen.0))
+    }
+    #[inline(always)]
     fn times_more(self, factor: Self, more: Self) -> Self {
         self * factor + more
     }

@@ -20,6 +20,8 @@ impl<const N: usize> Kernel<N> for Everything<N> {
             a.signed_as(b),
             a.product_error(b, a * b),
             a.permute(order),
+            a.choose(a.le(b), b),
+            a.choose(b.lt(a), b),
             F::<S, N>::splat(s, 3.0),
         ];
         let mut out: alloc::vec::Vec<u32> = floats

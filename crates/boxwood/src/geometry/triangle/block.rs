@@ -172,48 +172,46 @@ impl RayGroup<'_> {
 }
 
 /// Where some rays of a group meet a triangle.
-pub struct Meetings {
-    /// Which ones, a bit each.
-    pub rays: u32,
-    t: [f32; RayGroup::LANES],
-    u: [f32; RayGroup::LANES],
-    v: [f32; RayGroup::LANES],
-    determinant: [f32; RayGroup::LANES],
-    exact: bool,
-    primitive: u32,
+pub struct Meetings<S: Lanes<{ RayGroup::LANES }>> {
+    /// Which ones.
+    pub rays: S::M,
+    pub t: F<S, { RayGroup::LANES }>,
+    pub u: F<S, { RayGroup::LANES }>,
+    pub v: F<S, { RayGroup::LANES }>,
+    /// Those whose hit the proof of the slack does not cover, a bit each; see [`Stop::Uncovered`].
+    pub uncovered: u32,
 }
 
-impl Meetings {
-    /// The hit of one ray.
-    #[inline(always)]
-    pub fn hit(&self, ray: usize) -> Hit {
-        let ray = ray % RayGroup::LANES;
-        Hit {
-            t: self.t[ray],
-            u: self.u[ray],
-            v: self.v[ray],
-            primitive: self.primitive,
-            instance: 0,
-        }
-    }
-    /// Whether the proof of the slack covers it; see [`Stop::Uncovered`].
-    #[inline(always)]
-    pub fn is_covered(&self, ray: usize) -> bool {
-        !self.exact || self.determinant[ray % RayGroup::LANES].abs() >= TINY
-    }
-}
+/// A triangle's corners by axis, in the order of the rays' axes, seen from the rays and sheared along their directions.
+type Corners<S> = [[F<S, { RayGroup::LANES }>; 3]; 3];
 
 impl TriangleBlock {
-    /// One of the triangles against a group of rays, each up to its `t_max`.
+    /// Which rays of a group may meet each triangle, wherever along the ray: a bit each, by triangle. Without a branch, so
+    /// that one triangle need not wait for the other.
     #[inline(always)]
-    pub fn meet<S: Lanes<{ RayGroup::LANES }>>(
+    pub fn may_meet<S: Lanes<{ RayGroup::LANES }>>(
         &self,
         s: S,
-        triangle: usize,
         rays: &RayGroup<'_>,
-        t_max: &[f32; RayGroup::LANES],
-    ) -> Option<Meetings> {
-        let lane = triangle % LANES;
+    ) -> [u32; LANES] {
+        let zero = F::<S, { RayGroup::LANES }>::splat(s, 0.0);
+        let mut met = [0; LANES];
+        for (lane, met) in met.iter_mut().enumerate() {
+            let [[x0, x1, x2], [y0, y1, y2], _] = self.seen_by(s, lane, rays);
+            // Rounding is monotone: what the exact edge functions accept passes this.
+            let (u, v, w) = (x2 * y1 - y2 * x1, x0 * y2 - y0 * x2, x1 * y0 - y1 * x0);
+            *met = (zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero)).bits();
+        }
+        met
+    }
+
+    #[inline(always)]
+    fn seen_by<S: Lanes<{ RayGroup::LANES }>>(
+        &self,
+        s: S,
+        lane: usize,
+        rays: &RayGroup<'_>,
+    ) -> Corners<S> {
         let [kx, ky, kz] = rays.axes;
         let [a, b, c] = &self.corners;
         let load = F::<S, { RayGroup::LANES }>::load;
@@ -233,12 +231,23 @@ impl TriangleBlock {
         let y0 = (splat(s, a[ky][lane]) - oy) - sy * z0;
         let y1 = (splat(s, b[ky][lane]) - oy) - sy * z1;
         let y2 = (splat(s, c[ky][lane]) - oy) - sy * z2;
+        [[x0, x1, x2], [y0, y1, y2], [z0, z1, z2]]
+    }
+
+    /// One of the triangles against a group of rays, each up to its `t_max`.
+    #[inline(always)]
+    pub fn meet<S: Lanes<{ RayGroup::LANES }>>(
+        &self,
+        s: S,
+        triangle: usize,
+        rays: &RayGroup<'_>,
+        t_max: F<S, { RayGroup::LANES }>,
+    ) -> Option<Meetings<S>> {
+        let lane = triangle % LANES;
+        let load = F::<S, { RayGroup::LANES }>::load;
+        let splat = F::<S, { RayGroup::LANES }>::splat;
+        let [[x0, x1, x2], [y0, y1, y2], [z0, z1, z2]] = self.seen_by(s, lane, rays);
         let zero = splat(s, 0.0);
-        // Rounding is monotone: what the exact edge functions accept passes this. Most groups end here.
-        let (u, v, w) = (x2 * y1 - y2 * x1, x0 * y2 - y0 * x2, x1 * y0 - y1 * x0);
-        if (zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero)).bits() == 0 {
-            return None;
-        }
         let (u, v, w) = if rays.exact {
             (
                 difference_of_products(x2, y1, y2, x1),
@@ -246,24 +255,23 @@ impl TriangleBlock {
                 difference_of_products(x1, y0, y1, x0),
             )
         } else {
-            (u, v, w)
+            (x2 * y1 - y2 * x1, x0 * y2 - y0 * x2, x1 * y0 - y1 * x0)
         };
         let inside = zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero);
         let determinant = (u + v) + w;
         let r = splat(s, 1.0) / determinant;
         let t = (((u * z0 + v * z1) + w * z2) * load(s, rays.shear[2])) * r;
-        let met = (inside & load(s, rays.t_min).le(t) & t.le(load(s, t_max))).bits();
-        if met == 0 {
+        let met = inside & load(s, rays.t_min).le(t) & t.le(t_max);
+        if met.bits() == 0 {
             return None;
         }
+        let thin = determinant.abs().lt(splat(s, TINY));
         Some(Meetings {
             rays: met,
-            exact: rays.exact,
-            t: t.to_array(),
-            u: (v * r).to_array(),
-            v: (w * r).to_array(),
-            determinant: determinant.to_array(),
-            primitive: self.ids[lane],
+            t,
+            u: v * r,
+            v: w * r,
+            uncovered: if rays.exact { (met & thin).bits() } else { 0 },
         })
     }
 }

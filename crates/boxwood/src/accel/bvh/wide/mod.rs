@@ -159,7 +159,7 @@ where
         let mut packet = packet::Packet::for_depth::<N>(self.depth, self.precision);
         let mut apart = 0;
         let mut wait = 0;
-        while P::TRIANGLES && rays.len() - apart >= FEW {
+        while P::TRIANGLES && Q::ONE_HIT && rays.len() - apart >= FEW {
             let end = rays.len().min(apart + packet::RAYS);
             if wait > 0 {
                 (wait, apart) = (wait - 1, end);
@@ -178,7 +178,7 @@ where
             let (before, rest) = mem::take(&mut queries).split_at_mut(apart);
             self.apart(&rays[..apart], before);
             let (together, rest) = rest.split_at_mut(end - apart);
-            for i in packet.take_uncovered() {
+            for i in packet.found.take_uncovered() {
                 if let Some(ray) = PreparedRay::new(&rays[apart + i], self.scale) {
                     self.plainly(&ray, &mut together[i], &mut ());
                 }
@@ -186,7 +186,7 @@ where
             if outcome == Outcome::Loose {
                 wait = WAIT;
                 for (i, query) in together.iter_mut().enumerate() {
-                    if packet.is_open(i) {
+                    if packet.found.is_open(i) {
                         self.traverse(&rays[apart + i], query, &mut ());
                     }
                 }

@@ -128,6 +128,19 @@ impl<const N: usize> Node<N> {
         &self.children
     }
 
+    /// Where a child of this node is.
+    #[inline(always)]
+    pub fn lane(&self, child: Child) -> usize {
+        // To the end, because lanes do that at once.
+        (0..N).fold(0, |found, lane| {
+            if self.children[lane] == child.0 {
+                lane
+            } else {
+                found
+            }
+        })
+    }
+
     /// The children that are there: lane, box and child.
     pub fn slots(&self) -> impl Iterator<Item = (usize, Aabb, Child)> {
         let used = |&lane: &usize| self.children[lane] != Child::NOTHING.0;
@@ -222,13 +235,6 @@ impl Heading {
             F::<S, N>::load(s, node.planes.at(near)),
             F::<S, N>::load(s, node.planes.at(near.neighbour())),
         ]
-    }
-
-    /// Those of one child.
-    #[inline(always)]
-    pub fn plane<const N: usize>(self, node: &Node<N>, axis: usize, lane: usize) -> [f32; 2] {
-        let near = self.row(axis);
-        [near, near.neighbour()].map(|row| node.planes.at(row)[lane])
     }
 }
 
