@@ -33,6 +33,7 @@ pub mod inspect;
 mod math;
 pub mod plane;
 pub mod primitive;
+pub mod proximity;
 pub mod query;
 mod simd;
 #[cfg(feature = "parallel")]
@@ -57,8 +58,9 @@ pub use geometry::{Aabb, Affine, Hit, Interval, PreparedRay, Ray, Surface, Vec3}
 pub use geometry::{Cuboid, Cylinder, Disc, Line, OrientedCuboid, Plane, Prism, Sphere, Torus};
 pub use primitive::{
     Chain, Cuboids, Cylinders, Discs, ImplicitSurfaces, MeshError, MollerTrumbore, OrientedCuboids,
-    Planes, Primitives, Shapes, Spheres, Surfaces, Tori, TriangleMesh,
+    Planes, Primitives, Shapes, Spheres, Surfaces, Tori, TriangleMesh, Triangles,
 };
+pub use proximity::Proximity;
 pub use query::{
     AllHits, Closest, Counters, Filter, FirstHits, Intersect, Occluded, Query, Seen, Step,
     TraversalStats, Traverse, Verdict,
