@@ -20,7 +20,7 @@ use core::ops::ControlFlow::{self, Continue};
 /// The point of a triangle that is closest to where it was asked from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosestPoint {
-    /// The distance, world units, rounded to the nearest float.
+    /// The distance, world units, rounded to the nearest float; infinite where it is beyond the floats.
     pub distance: f32,
     /// The point, world space, rounded to the nearest floats.
     pub point: Vec3,
