@@ -17,7 +17,7 @@
 //! ```
 //!
 //! *How it is laid out.* Data walks one line from left to right, and each module serves one stop of it: [`geometry`] (rays,
-//! boxes, triangles, shapes), [`primitive`] (numbered sets of things a ray may meet), [`query`] (what a ray asks), [`accel`] (the
+//! boxes, triangles, shapes), [`primitive`] (numbered sets of things a ray may meet), [`query`] (what a ray asks), [`proximity`] (what is asked of space), [`accel`] (the
 //! structures), [`inspect`] (looking at a tree). [`plane`] makes scenes in two dimensions of the same parts.
 //!
 //! *What can be relied on.* Every structure returns the bits of [`BruteForce`], on every machine and for any number of

@@ -473,3 +473,88 @@ fn meeting_triangles_are_those_that_share_samples() {
     }
     assert!(sure > 500 && listed < 3 * sure, "{sure} of {listed}");
 }
+
+/// Callers that flush subnormal numbers to zero, or round upwards, get the same bits.
+#[test]
+#[allow(unsafe_code, reason = "to set a mode is a promise")]
+fn careless_callers_get_the_same() {
+    let mut differ = false;
+    for (seed, scale) in [(1, 1.0), (2, 1.0e-20), (3, 1.0e-38), (4, 1.0e-41)] {
+        let mut random = Random::new(seed);
+        let mesh = soups::random(60, &mut random).with(&soups::slivers(20, &mut random));
+        let mesh = mesh.placed(scale, 0.0).mesh();
+        let questions = Questions::about(&mesh, &mut random);
+        let expected = check(&mesh, &questions, "usual mode");
+        let mut found = None;
+        // SAFETY: all floats are computed behind the doors of the library, or compared as bits.
+        unsafe { boxwood::carelessly(|| found = Some(check(&mesh, &questions, "careless"))) };
+        assert!(found == Some(expected), "{scale}");
+        // The same without a door: the mode counts.
+        let raw = |p: &Vec3| {
+            let mut search = boxwood::proximity::Closest::new(*p, f32::INFINITY);
+            boxwood::proximity::search(&BruteForce::new(&mesh), &mut search, &mut ());
+            search.found().map(|found| bits(&found))
+        };
+        let usual: Vec<_> = questions.points.iter().map(raw).collect();
+        let mut careless = Vec::new();
+        // SAFETY: as above; what is computed otherwise is only compared.
+        let modes = unsafe {
+            boxwood::carelessly(|| careless = questions.points.iter().map(raw).collect())
+        };
+        differ |= usual != careless || !modes;
+    }
+    assert!(differ, "the mode does not count: this tests nothing");
+}
+
+/// One triangle, none, and questions at the ends of what is legal.
+#[test]
+fn nothing_panics() {
+    let nothing = TriangleMesh::default();
+    let mut random = Random::new(9);
+    let questions = Questions::about(&nothing, &mut random);
+    let found = check(&nothing, &questions, "empty");
+    assert!(found.closest.iter().all(Option::is_none) && found.pairs.is_empty());
+    let mesh = soups::any_floats(30, &mut random).mesh();
+    let tree = WideSah::<8>::default().build(&mesh);
+    let ends = [
+        0.0,
+        -0.0,
+        1.0e-45,
+        f32::MAX,
+        f32::MIN,
+        f32::INFINITY,
+        f32::NAN,
+    ];
+    let mut found = 0;
+    for code in 0..ends.len().pow(3) {
+        let [x, y, z] = [1, 7, 49].map(|by| ends[code / by % 7]);
+        let p = [x, y, z];
+        let judge = BruteForce::new(&mesh);
+        assert_eq!(
+            tree.nearest(p, usize::MAX).len(),
+            if Vec3::from(p).is_finite() { 30 } else { 0 }
+        );
+        for radius in ends {
+            let near = tree.within(p, radius);
+            let as_judged = judge.within(p, radius);
+            assert_eq!(near.len(), as_judged.len(), "{p:?} {radius}");
+            found += near.len();
+            assert_eq!(
+                tree.overlapping(&Ball::new(p, radius)).len(),
+                as_judged.len(),
+                "{p:?} {radius}"
+            );
+            let b = Aabb::new(p, [radius; 3]);
+            assert_eq!(tree.overlapping(&b), judge.overlapping(&b), "{b:?}");
+            let region = ConvexRegion::new([HalfSpace::new(p, radius)]);
+            assert_eq!(
+                tree.overlapping(&region),
+                judge.overlapping(&region),
+                "{p:?} {radius}"
+            );
+        }
+        assert_eq!(tree.winding(p), judge.winding(p));
+        assert_eq!(tree.winding_number(p).is_nan(), !Vec3::from(p).is_finite());
+    }
+    assert!(found > 1000, "{found}");
+}

@@ -8,7 +8,7 @@ use super::{BuildError, Limits};
 use crate::geometry::{Aabb, PreparedRay, Ray};
 use crate::inspect::Statistics;
 use crate::primitive::{self, Primitives, Triangles};
-use crate::proximity::{Hierarchy, Opened};
+use crate::proximity::{Hierarchy, Numbered, Opened};
 use crate::query::{Counters, Intersect, Query, Traverse};
 use crate::simd::exactly;
 use alloc::boxed::Box;
@@ -76,8 +76,12 @@ impl<P: Triangles> Hierarchy for BruteForce<P> {
     fn root(&self) -> Option<()> {
         Some(())
     }
-    fn open(&self, (): ()) -> Opened<impl Iterator<Item = (Aabb, ())>, impl Iterator<Item = u32>> {
-        Opened::<core::iter::Empty<_>, _>::Leaf(0..self.primitives.len() as u32)
+    fn open(
+        &self,
+        (): (),
+    ) -> Opened<impl Iterator<Item = (Aabb, ())>, impl Iterator<Item = Numbered>> {
+        let triangle = |i| (i as u32, self.primitives.triangle(i));
+        Opened::<core::iter::Empty<_>, _>::Leaf((0..self.primitives.len()).map(triangle))
     }
     fn number(&self, (): ()) -> usize {
         0

@@ -21,7 +21,7 @@ pub trait Hierarchy: Sized {
     fn open(
         &self,
         node: Self::Node,
-    ) -> Opened<impl Iterator<Item = (Aabb, Self::Node)>, impl Iterator<Item = u32>>;
+    ) -> Opened<impl Iterator<Item = (Aabb, Self::Node)>, impl Iterator<Item = Numbered>>;
     /// The number of a node, different for each, and small enough to count nodes with.
     fn number(&self, node: Self::Node) -> usize;
     /// How far from the boxes of its leaves a point of a triangle may be, world units. Zero where every leaf's box holds its
@@ -31,11 +31,14 @@ pub trait Hierarchy: Sized {
     }
 }
 
+/// A triangle with its number.
+pub type Numbered = (u32, [Vec3; 3]);
+
 /// What lies below a node.
 pub enum Opened<Children, Primitives> {
     /// Boxes and nodes.
     Inner(Children),
-    /// The numbers of the primitives in a leaf.
+    /// The triangles in a leaf.
     Leaf(Primitives),
 }
 
@@ -58,7 +61,7 @@ impl<H: Hierarchy> Hierarchy for &H {
     fn open(
         &self,
         node: H::Node,
-    ) -> Opened<impl Iterator<Item = (Aabb, H::Node)>, impl Iterator<Item = u32>> {
+    ) -> Opened<impl Iterator<Item = (Aabb, H::Node)>, impl Iterator<Item = Numbered>> {
         (**self).open(node)
     }
     #[inline(always)]

@@ -47,7 +47,7 @@ mod winding;
 
 pub use convex::{ConvexRegion, HalfSpace};
 pub(crate) use hierarchy::slack_of_cut;
-pub use hierarchy::{Extent, Hierarchy, Opened};
+pub use hierarchy::{Extent, Hierarchy, Numbered, Opened};
 pub use inside::{Crossings, Winding};
 pub use nearest::{Closest, ClosestPoint, Nearest, Within};
 pub use overlap::{Ball, Overlapping, Region};

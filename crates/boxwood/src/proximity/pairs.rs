@@ -11,7 +11,6 @@
 use super::hierarchy::{Extent, Hierarchy, Opened};
 use crate::geometry::Vec3;
 use crate::geometry::triangle::contact;
-use crate::primitive::Triangles;
 use alloc::vec::Vec;
 use core::ops::ControlFlow::{self, Break, Continue};
 
@@ -54,15 +53,15 @@ pub(super) fn meetings<A: Hierarchy, B: Hierarchy>(
     }
 }
 
-/// A triangle, its box and its number.
-type Numbered = (Extent, [Vec3; 3], u32);
+/// A triangle with its box and its number.
+type Boxed = (Extent, [Vec3; 3], u32);
 
 /// Collects what is below a node: its children, or itself and its triangles where it is a leaf.
 fn opened<H: Hierarchy>(
     tree: &H,
     of: Place<H::Node>,
     below: &mut Vec<Place<H::Node>>,
-    triangles: &mut Vec<Numbered>,
+    triangles: &mut Vec<Boxed>,
 ) -> bool {
     match tree.open(of.0) {
         Opened::Inner(children) => {
@@ -73,10 +72,7 @@ fn opened<H: Hierarchy>(
         }
         Opened::Leaf(ids) => {
             triangles.clear();
-            triangles.extend(ids.map(|id| {
-                let corners = tree.primitives().triangle(id as usize);
-                (Extent::of(corners), corners, id)
-            }));
+            triangles.extend(ids.map(|(id, corners)| (Extent::of(corners), corners, id)));
             below.push(of);
             true
         }
@@ -84,8 +80,8 @@ fn opened<H: Hierarchy>(
 }
 
 fn meet_all(
-    a: &[Numbered],
-    b: &[Numbered],
+    a: &[Boxed],
+    b: &[Boxed],
     show: &mut impl FnMut(u32, u32) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     for (around, s, i) in a {

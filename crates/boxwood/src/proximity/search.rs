@@ -2,7 +2,6 @@
 
 use super::hierarchy::{Extent, Hierarchy, Opened};
 use crate::geometry::Vec3;
-use crate::primitive::Triangles;
 use crate::query::Counters;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
@@ -47,9 +46,8 @@ pub(super) fn search_with<H: Hierarchy, S: Search, C: Counters>(
             Opened::Leaf(primitives) => {
                 counters.leaf();
                 let number = tree.number(node);
-                for id in primitives {
+                for (id, corners) in primitives {
                     counters.primitives(1);
-                    let corners = tree.primitives().triangle(id as usize);
                     if question.offer(id, corners, number).is_break() {
                         return;
                     }

@@ -180,14 +180,13 @@ impl<H: Hierarchy> FastWinding<H> {
         match self.tree.open(node) {
             Opened::Inner(below) => children.extend(below.map(|(_, child)| child)),
             Opened::Leaf(ids) => {
-                for id in ids {
+                for (id, corners) in ids {
                     if let Some(owner) = self.owners.get_mut(id as usize) {
                         if *owner != NOBODY {
                             continue;
                         }
                         *owner = number as u32;
                     }
-                    let corners = self.tree.primitives().triangle(id as usize);
                     triangles.push(corners.map(|v| v.to_array().map(f64::from)));
                 }
             }

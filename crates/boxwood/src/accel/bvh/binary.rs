@@ -13,7 +13,7 @@ use crate::geometry::pair::{BoxPair, PairRay};
 use crate::geometry::{Aabb, PreparedRay, Ray};
 use crate::inspect::{self, Cell, Statistics, TreeFlaw};
 use crate::primitive::{self, Primitives, Triangles};
-use crate::proximity::{Hierarchy, Opened, slack_of_cut};
+use crate::proximity::{Hierarchy, Numbered, Opened, slack_of_cut};
 use crate::query::{Counters, Query, Step, Traverse, Verdict};
 use crate::simd::exactly;
 use alloc::vec::Vec;
@@ -258,7 +258,7 @@ impl<P: Triangles> Hierarchy for Bvh<P> {
     fn open(
         &self,
         node: u32,
-    ) -> Opened<impl Iterator<Item = (Aabb, u32)>, impl Iterator<Item = u32>> {
+    ) -> Opened<impl Iterator<Item = (Aabb, u32)>, impl Iterator<Item = Numbered>> {
         let place = match node.checked_sub(1) {
             None => self.root,
             Some(below) => Child::of(&self.pairs[below as usize / 2], below as usize % 2),
@@ -266,7 +266,8 @@ impl<P: Triangles> Hierarchy for Bvh<P> {
         if place.count > 0 {
             let first = place.first as usize;
             let places = first..first + place.count as usize;
-            return Opened::Leaf(self.order[places].iter().copied());
+            let triangle = |&id: &u32| (id, self.primitives.triangle(id as usize));
+            return Opened::Leaf(self.order[places].iter().map(triangle));
         }
         let pair = &self.pairs[place.first as usize];
         let child = move |side| (pair.bounds(side), 2 * place.first + side as u32 + 1);

@@ -4,7 +4,7 @@ use super::KdTree;
 use super::inspect::halves;
 use crate::geometry::{Aabb, Vec3};
 use crate::primitive::Triangles;
-use crate::proximity::{Hierarchy, Opened};
+use crate::proximity::{Hierarchy, Numbered, Opened};
 
 /// Above the cells stands one more node, because some primitives may lie in none of them.
 #[derive(Clone, Copy, Debug)]
@@ -29,14 +29,15 @@ impl<P: Triangles> Hierarchy for KdTree<P> {
     fn open(
         &self,
         node: Place,
-    ) -> Opened<impl Iterator<Item = (Aabb, Place)>, impl Iterator<Item = u32>> {
+    ) -> Opened<impl Iterator<Item = (Aabb, Place)>, impl Iterator<Item = Numbered>> {
         let partition = &self.partition;
         let space = &partition.space;
         let inner =
             |children: [Option<(Aabb, Place)>; 2]| Opened::Inner(children.into_iter().flatten());
+        let triangle = move |&id: &u32| (id, self.primitives.triangle(id as usize));
         let (index, bounds) = match node {
             Place::Cell(index, bounds) => (index, bounds),
-            Place::Everywhere => return Opened::Leaf(space.everywhere.iter().copied()),
+            Place::Everywhere => return Opened::Leaf(space.everywhere.iter().map(triangle)),
             Place::Everything => {
                 let all = Vec3::splat(f32::INFINITY);
                 let cells = (space.world, Place::Cell(0, space.world));
@@ -49,7 +50,7 @@ impl<P: Triangles> Hierarchy for KdTree<P> {
         };
         let node = partition.nodes[index as usize];
         if node.is_leaf() {
-            return Opened::Leaf(partition.references[node.places()].iter().copied());
+            return Opened::Leaf(partition.references[node.places()].iter().map(triangle));
         }
         let [below, above] = halves(&bounds, node.axis(), node.plane());
         let child = node.child() as u32;

@@ -4,7 +4,7 @@ use super::WideBvh;
 use super::node::Child;
 use crate::geometry::Aabb;
 use crate::primitive::Triangles;
-use crate::proximity::{Hierarchy, Opened, slack_of_cut};
+use crate::proximity::{Hierarchy, Numbered, Opened, slack_of_cut};
 
 /// A node by its number (0 is the root, and the children of node `i` are `i N + 1` and so on) and what it holds.
 #[derive(Clone, Copy, Debug)]
@@ -27,10 +27,10 @@ impl<P: Triangles, const N: usize> Hierarchy for WideBvh<P, N> {
     fn open(
         &self,
         node: Place,
-    ) -> Opened<impl Iterator<Item = (Aabb, Place)>, impl Iterator<Item = u32>> {
+    ) -> Opened<impl Iterator<Item = (Aabb, Place)>, impl Iterator<Item = Numbered>> {
         let parent = node.child;
         if parent.is_leaf() {
-            return Opened::Leaf(self.leaves.ids(parent.blocks()));
+            return Opened::Leaf(self.leaves.numbered(&self.primitives, parent.blocks()));
         }
         let slots = self.nodes[parent.index()].slots();
         Opened::Inner(slots.map(move |(lane, bounds, child)| {
