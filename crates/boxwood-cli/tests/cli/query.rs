@@ -104,7 +104,7 @@ fn what_makes_no_sense_is_refused() {
     bench.write("rays.npy", npy(6, &[0.0_f32; 6], Order::C));
     assert_eq!(
         bench.refused("query layers.obj --points rays.npy closest"),
-        "error: rays.npy: has the shape (1, 6); expected (n, 3) `x y z` of float32 or float64"
+        "rays.npy: has the shape (1, 6); expected (n, 3) `x y z` of float32 or float64"
     );
     for words in ["", "nearest", "nearest -k 0", "within -r -1", "inside -k 2"] {
         bench.misused(&format!("query layers.obj --points points.npy {words}"));
