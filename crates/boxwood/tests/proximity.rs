@@ -398,6 +398,9 @@ fn fast_winding_numbers_are_near_whatever_the_tree() {
     );
 }
 
+/// Whether a point is certain to be in a region.
+type Holds<'a> = &'a dyn Fn([f64; 3]) -> bool;
+
 /// Boxes, balls and half-spaces against points of the triangles, which are certain to be in them.
 #[test]
 fn no_sample_in_a_region_is_overlooked() {
@@ -424,7 +427,7 @@ fn no_sample_in_a_region_is_overlooked() {
             };
             normals.iter().all(|n| before(n) < -1.0e-6)
         };
-        let regions: [(Vec<u32>, &dyn Fn([f64; 3]) -> bool); 3] = [
+        let regions: [(Vec<u32>, Holds<'_>); 3] = [
             (whole(&tree, &b), &in_box),
             (whole(&tree, &ball), &in_ball),
             (whole(&tree, &wedge), &in_wedge),

@@ -26,9 +26,11 @@ pub(super) fn meetings<A: Hierarchy, B: Hierarchy>(
     let (Some(root_a), Some(root_b)) = (a.root(), b.root()) else {
         return;
     };
-    let apart = |a: &Option<Extent>, b: &Option<Extent>| matches!((a, b), (Some(a), Some(b)) if !a.overlaps(b));
-    let mut open: Vec<(Place<A::Node>, Place<B::Node>)> =
-        Vec::from([((root_a, None), (root_b, None))]);
+    let apart = |a: &Option<Extent>, b: &Option<Extent>| {
+        let both = a.as_ref().zip(b.as_ref());
+        both.is_some_and(|(a, b)| !a.overlaps(b))
+    };
+    let mut open = Vec::from([((root_a, None), (root_b, None))]);
     let (mut below_a, mut below_b) = (Vec::new(), Vec::new());
     let (mut triangles_a, mut triangles_b) = (Vec::new(), Vec::new());
     while let Some((of_a, of_b)) = open.pop() {
