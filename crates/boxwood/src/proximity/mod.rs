@@ -93,7 +93,7 @@ pub trait Proximity: Hierarchy {
     /// let mesh = TriangleMesh::new(corners, [[0_u32, 1, 2], [1, 3, 2]])?;
     /// let found = BruteForce::new(&mesh).nearest([-1.0, 0.0, 0.0], 5);
     /// let distances: Vec<_> = found.iter().map(|p| (p.distance, p.primitive)).collect();
-    /// assert_eq!(distances, [(1.0, 0), (1.5811388, 1)]);
+    /// assert_eq!(distances, [(1.0, 0), (1.4142135, 1)]);
     /// # Ok::<(), boxwood::MeshError>(())
     /// ```
     fn nearest(&self, point: impl Into<[f32; 3]>, k: usize) -> Vec<ClosestPoint> {
