@@ -5,6 +5,7 @@
 mod compare;
 mod figure;
 mod looking;
+mod query;
 mod values;
 
 use crate::failure::{Failure, Outcome};
@@ -20,6 +21,7 @@ use values::{Size, Vector, fov};
 pub use compare::CompareArgs;
 pub use figure::FigureArgs;
 pub use looking::{ExplainArgs, InspectArgs};
+pub use query::{QueryArgs, Question};
 pub use values::{Axis, Levels, Place, Slice, join_vectors};
 
 const STYLES: Styles = Styles::styled()
@@ -44,6 +46,7 @@ Examples:
   boxwood render bunny.ply -o bunny.png        Render a file; the camera finds its own place
   boxwood info sponza.obj                      Say what is in a file
   boxwood cast bunny.ply --rays rays.npy -o hits.npz
+  boxwood query bunny.ply --points points.npy -o near.npz closest
   boxwood inspect bunny.ply --svg boxes.svg    Look into a structure
   boxwood explain bunny.ply --pixel 640,360    Follow one ray, step by step
   boxwood compare bunny.ply --views --html bunny.html
@@ -61,6 +64,7 @@ pub enum Verb {
     Render(Box<RenderArgs>),
     Info(InfoArgs),
     Cast(CastArgs),
+    Query(QueryArgs),
     Inspect(InspectArgs),
     Explain(Box<ExplainArgs>),
     Compare(Box<CompareArgs>),

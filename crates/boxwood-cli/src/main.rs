@@ -1,8 +1,8 @@
 //! The `boxwood` command: render, inspect and query real scenes, compare structures.
 //!
-//! *How it is laid out.* `args` says what the command line may say; each verb has a file or a folder (`render`, `info`, `cast`,
+//! *How it is laid out.* `args` says what the command line may say; each verb has a file or a folder (`render`, `info`, `cast`, `query`,
 //! `compare`, `inspect`, `explain`, `figure`, `shell`); `scene_file` finds the scene and `camera` its viewer, `output` writes files whole or
-//! not at all, `npy` speaks NumPy, `svg` draws, `terminal` and `progress` speak to people.
+//! not at all, `npy`, `npz` and `table` speak NumPy, `svg` draws, `terminal` and `progress` speak to people.
 //!
 //! *What can be relied on.* Exit code 0 for success, 1 for bad input or a refusal of the system, with one sentence on
 //! stderr, 2 for a command line that means nothing. Results go to stdout, everything else to stderr.
@@ -18,12 +18,15 @@ mod figure;
 mod info;
 mod inspect;
 mod npy;
+mod npz;
 mod output;
 mod progress;
+mod query;
 mod render;
 mod scene_file;
 mod shell;
 mod svg;
+mod table;
 mod terminal;
 
 use args::{Cli, Verb};
@@ -37,6 +40,7 @@ fn main() -> ExitCode {
         Verb::Render(args) => render::run(args),
         Verb::Info(args) => info::run(args),
         Verb::Cast(args) => cast::run(args),
+        Verb::Query(args) => query::run(args),
         Verb::Inspect(args) => inspect::run(args),
         Verb::Explain(args) => explain::run(args),
         Verb::Compare(args) => compare::run(args),

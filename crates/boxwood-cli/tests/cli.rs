@@ -14,6 +14,10 @@ mod figure;
 mod info;
 #[path = "cli/inspect.rs"]
 mod inspect;
+#[path = "cli/numpy.rs"]
+mod numpy;
+#[path = "cli/query.rs"]
+mod query;
 #[path = "cli/render.rs"]
 mod render;
 #[path = "cli/shell.rs"]

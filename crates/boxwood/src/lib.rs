@@ -17,7 +17,7 @@
 //! ```
 //!
 //! *How it is laid out.* Data walks one line from left to right, and each module serves one stop of it: [`geometry`] (rays,
-//! boxes, triangles, shapes), [`primitive`] (numbered sets of things a ray may meet), [`query`] (what a ray asks), [`accel`] (the
+//! boxes, triangles, shapes), [`primitive`] (numbered sets of things a ray may meet), [`query`] (what a ray asks), [`proximity`] (what is asked of space), [`accel`] (the
 //! structures), [`inspect`] (looking at a tree). [`plane`] makes scenes in two dimensions of the same parts.
 //!
 //! *What can be relied on.* Every structure returns the bits of [`BruteForce`], on every machine and for any number of
@@ -33,6 +33,7 @@ pub mod inspect;
 mod math;
 pub mod plane;
 pub mod primitive;
+pub mod proximity;
 pub mod query;
 mod simd;
 #[cfg(feature = "parallel")]
@@ -57,8 +58,9 @@ pub use geometry::{Aabb, Affine, Hit, Interval, PreparedRay, Ray, Surface, Vec3}
 pub use geometry::{Cuboid, Cylinder, Disc, Line, OrientedCuboid, Plane, Prism, Sphere, Torus};
 pub use primitive::{
     Chain, Cuboids, Cylinders, Discs, ImplicitSurfaces, MeshError, MollerTrumbore, OrientedCuboids,
-    Planes, Primitives, Shapes, Spheres, Surfaces, Tori, TriangleMesh,
+    Planes, Primitives, Shapes, Spheres, Surfaces, Tori, TriangleMesh, Triangles,
 };
+pub use proximity::Proximity;
 pub use query::{
     AllHits, Closest, Counters, Filter, FirstHits, Intersect, Occluded, Query, Seen, Step,
     TraversalStats, Traverse, Verdict,

@@ -242,6 +242,14 @@ pub fn stops(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A radius.
+pub fn radius(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(radius) if radius >= 0.0 => Ok(radius),
+        _ => Err("expected a length that is not negative".to_string()),
+    }
+}
+
 /// Joins `--eye 1 2 3` to `--eye 1,2,3`: three numbers after a flag that wants a vector are its value. Anything else stays
 /// as it is.
 pub fn join_vectors(args: impl IntoIterator<Item = OsString>) -> Vec<OsString> {

@@ -1,6 +1,6 @@
 //! What the rays are asked, and the answers as arrays.
 
-use super::archive::Archive;
+use crate::npz::Archive;
 use boxwood::{Hit, Intersect, Ray, Surfaces};
 use boxwood_scene::FlatScene;
 use rayon::prelude::*;
@@ -100,20 +100,7 @@ fn add_hits(
     archive.add("t", each().map(|hit| hit.map_or(f32::INFINITY, |h| h.t)))?;
     archive.add("u", each().map(|hit| hit.map_or(0.0, |h| h.u)))?;
     archive.add("v", each().map(|hit| hit.map_or(0.0, |h| h.v)))?;
-    let located: Vec<_> = hits
-        .par_iter()
-        .map(|(_, hit)| hit.map(|h| flat.locate(h.primitive)))
-        .collect();
-    let located = || located.iter();
-    archive.add(
-        "primitive",
-        located().map(|l| l.map_or(NONE, |l| l.primitive)),
-    )?;
-    archive.add("geometry", located().map(|l| l.map_or(NONE, |l| l.mesh)))?;
-    archive.add(
-        "instance",
-        located().map(|l| l.map_or(NONE, |l| l.instance)),
-    )?;
+    add_located(archive, flat, each().map(|hit| hit.map(|h| h.primitive)))?;
     if normals {
         let normals: Vec<[f32; 3]> = hits
             .par_iter()
@@ -126,4 +113,27 @@ fn add_hits(
         archive.add_vectors("normal", normals)?;
     }
     Ok(())
+}
+
+/// Adds the numbers of some of the scene's triangles, as the files have them.
+pub fn add_located(
+    archive: &mut Archive,
+    flat: &FlatScene,
+    triangles: impl Iterator<Item = Option<u32>>,
+) -> io::Result<()> {
+    let triangles: Vec<_> = triangles.collect();
+    let located: Vec<_> = triangles
+        .into_par_iter()
+        .map(|triangle| triangle.map(|i| flat.locate(i)))
+        .collect();
+    let located = || located.iter();
+    archive.add(
+        "primitive",
+        located().map(|l| l.map_or(NONE, |l| l.primitive)),
+    )?;
+    archive.add("geometry", located().map(|l| l.map_or(NONE, |l| l.mesh)))?;
+    archive.add(
+        "instance",
+        located().map(|l| l.map_or(NONE, |l| l.instance)),
+    )
 }

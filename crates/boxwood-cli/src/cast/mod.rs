@@ -1,7 +1,6 @@
 //! `boxwood cast`: batches of rays from NumPy files against a scene.
 
 mod answers;
-mod archive;
 mod rays;
 
 use crate::args::CastArgs;
@@ -11,6 +10,7 @@ use crate::progress::Progress;
 use crate::scene_file;
 use crate::terminal::{self, Channel, counted, seconds};
 use answers::Question;
+pub use answers::add_located;
 use boxwood::Limits;
 use boxwood_render::build_structure;
 use serde::Serialize;

@@ -1,9 +1,8 @@
 //! Rays from a NumPy file: (n, 6) `ox oy oz dx dy dz` or (n, 8) `ox oy oz t_min dx dy dz t_max`.
 
-use crate::failure::{Failure, Outcome};
-use crate::npy::{Header, Shape};
+use crate::failure::Outcome;
+use crate::table::{self, Table};
 use boxwood::Ray;
-use std::io::Read;
 use std::path::Path;
 
 /// What the file must be.
@@ -15,80 +14,28 @@ const EXPECTED: &str =
 /// # Errors
 /// One sentence that names the file and what was expected of it.
 pub fn read(path: &Path) -> Outcome<Vec<Ray>> {
-    let (name, bytes) = if path == Path::new("-") {
-        let mut bytes = Vec::new();
-        let read = std::io::stdin().lock().read_to_end(&mut bytes);
-        ("standard input".to_string(), read.map(|_| bytes))
-    } else {
-        (path.display().to_string(), std::fs::read(path))
-    };
-    let bytes = bytes.map_err(|e| Failure::new(format!("{name}: cannot be read: {e}")))?;
-    decode(&bytes).map_err(|problem| Failure::new(format!("{name}: {problem}")))
+    table::read(path, decode)
 }
 
 fn decode(bytes: &[u8]) -> Result<Vec<Ray>, String> {
-    let (header, data) = Header::read(bytes)?;
-    let number: fn(&[u8]) -> f32 = match header.descr.as_str() {
-        "<f4" => |b| f32::from_le_bytes(fixed(b)),
-        ">f4" => |b| f32::from_be_bytes(fixed(b)),
-        "<f8" => |b| f64::from_le_bytes(fixed(b)) as f32,
-        ">f8" => |b| f64::from_be_bytes(fixed(b)) as f32,
-        other => {
-            return Err(format!(
-                "holds numbers of type {other}; expected {EXPECTED}"
-            ));
-        }
-    };
-    let width: u64 = if header.descr.ends_with('4') { 4 } else { 8 };
-    let (n, columns) = match header.shape[..] {
-        [n, columns @ (6 | 8)] => (n, columns),
-        _ => {
-            return Err(format!(
-                "has the shape {}; expected {EXPECTED}",
-                Shape(&header.shape)
-            ));
-        }
-    };
-    if n.checked_mul(columns * width) != Some(data.len() as u64) {
-        return Err(format!(
-            "promises {n} rays of {} bytes, but {} bytes follow its header",
-            columns * width,
-            data.len()
-        ));
-    }
-    // The multiplication above has shown that these fit.
-    let (n, columns, width) = (n as usize, columns as usize, width as usize);
-    let (per_ray, per_column) = if header.fortran_order {
-        (1, n)
-    } else {
-        (columns, 1)
-    };
-    let at = |ray: usize, column: usize| {
-        let first = (ray * per_ray + column * per_column) * width;
-        number(&data[first..first + width])
-    };
-    Ok((0..n)
+    let table = Table::decode(bytes, &[6, 8], "ray", EXPECTED)?;
+    Ok((0..table.rows())
         .map(|i| {
-            let three = |first: usize| [at(i, first), at(i, first + 1), at(i, first + 2)];
-            if columns == 6 {
-                Ray::new(three(0), three(3))
+            if table.columns() == 6 {
+                Ray::new(table.vector(i, 0), table.vector(i, 3))
             } else {
-                Ray::new(three(0), three(4)).from(at(i, 3)).until(at(i, 7))
+                Ray::new(table.vector(i, 0), table.vector(i, 4))
+                    .from(table.at(i, 3))
+                    .until(table.at(i, 7))
             }
         })
         .collect())
 }
 
-/// Exactly `N` bytes, as all callers pass.
-fn fixed<const N: usize>(bytes: &[u8]) -> [u8; N] {
-    let mut fixed = [0; N];
-    fixed.copy_from_slice(bytes);
-    fixed
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::npy::Header;
 
     fn file(descr: &str, fortran_order: bool, shape: &[u64], data: &[u8]) -> Vec<u8> {
         let mut bytes = Header {

@@ -10,6 +10,7 @@ fn help_has_examples() {
         "render",
         "info",
         "cast",
+        "query",
         "inspect",
         "explain",
         "completions",
@@ -56,7 +57,7 @@ fn completions_for_every_shell() {
 fn manual_pages() {
     let bench = Bench::new();
     assert!(bench.good("man").contains(".TH boxwood 1"));
-    assert_eq!(bench.good("man --dir pages"), "wrote 10 pages to pages\n");
+    assert_eq!(bench.good("man --dir pages"), "wrote 11 pages to pages\n");
     for (page, text) in [
         ("boxwood", "render"),
         ("boxwood-cast", "offsets"),

@@ -7,7 +7,8 @@ use super::settings::{Setting, Settings};
 use super::{BuildError, Limits};
 use crate::geometry::{Aabb, PreparedRay, Ray};
 use crate::inspect::Statistics;
-use crate::primitive::{self, Primitives};
+use crate::primitive::{self, Primitives, Triangles};
+use crate::proximity::{Hierarchy, Numbered, Opened};
 use crate::query::{Counters, Intersect, Query, Traverse};
 use crate::simd::exactly;
 use alloc::boxed::Box;
@@ -62,5 +63,27 @@ impl<P: Primitives> Traverse for BruteForce<P> {
                 return;
             }
         }
+    }
+}
+
+/// One leaf: questions about space are judged as rays are.
+impl<P: Triangles> Hierarchy for BruteForce<P> {
+    type Primitives = P;
+    type Node = ();
+    fn primitives(&self) -> &P {
+        &self.primitives
+    }
+    fn root(&self) -> Option<()> {
+        Some(())
+    }
+    fn open(
+        &self,
+        (): (),
+    ) -> Opened<impl Iterator<Item = (Aabb, ())>, impl Iterator<Item = Numbered>> {
+        let triangle = |i| (i as u32, self.primitives.triangle(i));
+        Opened::<core::iter::Empty<_>, _>::Leaf((0..self.primitives.len()).map(triangle))
+    }
+    fn number(&self, (): ()) -> usize {
+        0
     }
 }

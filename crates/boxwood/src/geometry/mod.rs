@@ -11,6 +11,7 @@ mod interval;
 pub(crate) mod morton;
 pub(crate) mod pair;
 mod plane;
+pub(crate) mod predicates;
 mod prism;
 pub(crate) mod ray;
 pub mod real;

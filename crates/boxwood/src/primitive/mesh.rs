@@ -1,6 +1,6 @@
 //! Triangle meshes: checked once, trusted afterwards.
 
-use super::{Primitives, Surfaces};
+use super::{Primitives, Surfaces, Triangles};
 use crate::geometry::triangle::{self, Meeting, moller_trumbore, overlap, watertight};
 use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Surface, Vec3};
 use crate::query::{Counters, Query};
@@ -239,6 +239,13 @@ impl Primitives for TriangleMesh {
     const TRIANGLES: bool = true;
 }
 
+impl Triangles for TriangleMesh {
+    #[inline(always)]
+    fn triangle(&self, i: usize) -> [Vec3; 3] {
+        self.triangle(i)
+    }
+}
+
 impl Surfaces for TriangleMesh {
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         triangle::surface(self.triangle(hit.primitive as usize), hit.u, hit.v, ray)
@@ -283,6 +290,13 @@ impl<M: core::borrow::Borrow<TriangleMesh>> Primitives for MollerTrumbore<M> {
             Some(meeting) => query.offer(hit(meeting, i)),
             None => Continue(()),
         }
+    }
+}
+
+impl<M: core::borrow::Borrow<TriangleMesh>> Triangles for MollerTrumbore<M> {
+    #[inline(always)]
+    fn triangle(&self, i: usize) -> [Vec3; 3] {
+        self.0.borrow().triangle(i)
     }
 }
 

@@ -79,6 +79,17 @@ pub trait Surfaces: Primitives {
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface;
 }
 
+/// Primitives that are all triangles: what is asked about [distances and insides](crate::proximity).
+///
+/// [`Primitives::bounds`] must hold all three corners.
+pub trait Triangles: Primitives {
+    /// The three corners of triangle `i`.
+    ///
+    /// # Panics
+    /// When there is no such triangle.
+    fn triangle(&self, i: usize) -> [Vec3; 3];
+}
+
 /// [`Primitives::offer`] as structures call it: masks are obeyed, the test is counted, and a hit counts only where it lies
 /// in the primitive's own padded box. So a box on the way to it can never be passed over, whatever the shape claims.
 #[inline(always)]
@@ -204,6 +215,12 @@ macro_rules! forward {
         impl<P: Surfaces + ?Sized> Surfaces for $owner {
             fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
                 (**self).surface(ray, hit)
+            }
+        }
+        impl<P: Triangles + ?Sized> Triangles for $owner {
+            #[inline(always)]
+            fn triangle(&self, i: usize) -> [Vec3; 3] {
+                (**self).triangle(i)
             }
         }
     )*};

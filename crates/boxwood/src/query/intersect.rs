@@ -1,15 +1,12 @@
 //! The object-safe face of a structure.
 
+use super::batch::each_chunk;
 use super::{AllHits, Closest, FirstHits, Occluded, Query, Seen, TraversalStats, Traverse};
 use crate::geometry::{Aabb, Hit, Ray};
 use crate::inspect::{Cell, Event, Explained, Statistics};
 use crate::simd::exactly;
-#[cfg(feature = "parallel")]
-use crate::threads::Exactly;
 use alloc::vec::Vec;
 use core::ops::ControlFlow::{self, Break, Continue};
-#[cfg(feature = "parallel")]
-use rayon::prelude::*;
 
 /// What every structure answers, whatever its type: `Box<dyn Intersect>` holds any of them.
 ///
@@ -168,19 +165,19 @@ impl<T: Traverse + Send + Sync> Intersect for T {
     }
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len(), "one hit per ray");
-        each_chunk(rays, hits, |rays, hits| {
+        each_chunk(CHUNK, rays, hits, |rays, hits| {
             ask_each(self, rays, hits, Closest::new, Closest::hit);
         });
     }
     fn occluded_each(&self, rays: &[Ray], occluded: &mut [bool]) {
         assert_eq!(rays.len(), occluded.len(), "one answer per ray");
-        each_chunk(rays, occluded, |rays, occluded| {
+        each_chunk(CHUNK, rays, occluded, |rays, occluded| {
             ask_each(self, rays, occluded, Occluded::new, Occluded::found);
         });
     }
     fn occluders(&self, rays: &[Ray], occluders: &mut [Option<u32>]) {
         assert_eq!(rays.len(), occluders.len(), "one answer per ray");
-        each_chunk(rays, occluders, |rays, occluders| {
+        each_chunk(CHUNK, rays, occluders, |rays, occluders| {
             ask_each(self, rays, occluders, Occluded::new, Occluded::occluder);
         });
     }
@@ -230,24 +227,6 @@ fn ask_each<Q: Query, A>(
     for (place, query) in answers.iter_mut().zip(&queries) {
         *place = answer(query);
     }
-}
-
-/// Chunks side by side, in the caller's pool where there is one.
-fn each_chunk<A: Send>(
-    rays: &[Ray],
-    answers: &mut [A],
-    work: impl Fn(&[Ray], &mut [A]) + Send + Sync,
-) {
-    #[cfg(feature = "parallel")]
-    rays.par_chunks(CHUNK)
-        .zip(answers.par_chunks_mut(CHUNK))
-        .exactly()
-        .for_each(|(rays, answers)| work(rays, answers));
-    #[cfg(not(feature = "parallel"))]
-    exactly(|| {
-        let chunks = rays.chunks(CHUNK).zip(answers.chunks_mut(CHUNK));
-        chunks.for_each(|(rays, answers)| work(rays, answers));
-    });
 }
 
 /// A query whose mind is a closure.

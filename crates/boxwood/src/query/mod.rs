@@ -4,10 +4,12 @@
 //! [`Query`], which may shrink the interval or stop the loop, and reports its steps to [`Counters`]. [`Intersect`] is
 //! the object-safe face that every structure gets for free.
 
+mod batch;
 mod counters;
 mod intersect;
 mod kinds;
 
+pub(crate) use batch::each_chunk;
 pub use counters::{Counters, Step, TraversalStats, Verdict};
 pub use intersect::Intersect;
 pub use kinds::{AllHits, Closest, Filter, FirstHits, Occluded, Seen};

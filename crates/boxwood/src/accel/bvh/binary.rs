@@ -12,7 +12,8 @@ use super::tree::{BinaryTree, MAX_DEPTH};
 use crate::geometry::pair::{BoxPair, PairRay};
 use crate::geometry::{Aabb, PreparedRay, Ray};
 use crate::inspect::{self, Cell, Statistics, TreeFlaw};
-use crate::primitive::{self, Primitives};
+use crate::primitive::{self, Primitives, Triangles};
+use crate::proximity::{Hierarchy, Numbered, Opened, slack_of_cut};
 use crate::query::{Counters, Query, Step, Traverse, Verdict};
 use crate::simd::exactly;
 use alloc::vec::Vec;
@@ -239,6 +240,48 @@ impl<P: Primitives> Traverse for Bvh<P> {
                     break;
                 }
             }
+        }
+    }
+}
+
+/// Nodes are numbered as in `cells`: 0 is the root, and the children of pair `i` are `2 i + 1` and `2 i + 2`.
+impl<P: Triangles> Hierarchy for Bvh<P> {
+    type Primitives = P;
+    type Node = u32;
+    fn primitives(&self) -> &P {
+        &self.primitives
+    }
+    fn root(&self) -> Option<u32> {
+        (!self.order.is_empty()).then_some(0)
+    }
+    #[inline(always)]
+    fn open(
+        &self,
+        node: u32,
+    ) -> Opened<impl Iterator<Item = (Aabb, u32)>, impl Iterator<Item = Numbered>> {
+        let place = match node.checked_sub(1) {
+            None => self.root,
+            Some(below) => Child::of(&self.pairs[below as usize / 2], below as usize % 2),
+        };
+        if place.count > 0 {
+            let first = place.first as usize;
+            let places = first..first + place.count as usize;
+            let triangle = |&id: &u32| (id, self.primitives.triangle(id as usize));
+            return Opened::Leaf(self.order[places].iter().map(triangle));
+        }
+        let pair = &self.pairs[place.first as usize];
+        let child = move |side| (pair.bounds(side), 2 * place.first + side as u32 + 1);
+        Opened::Inner([0, 1].into_iter().map(child))
+    }
+    #[inline(always)]
+    fn number(&self, node: u32) -> usize {
+        node as usize
+    }
+    fn slack(&self) -> f64 {
+        if self.order.len() > self.primitives.len() {
+            slack_of_cut(self.bounds.scale())
+        } else {
+            0.0
         }
     }
 }

@@ -22,6 +22,7 @@
 //! kd-Trees for Ray Tracing, and on doing that in O(N log N)*.
 
 mod build;
+mod hierarchy;
 mod inspect;
 mod node;
 mod traverse;

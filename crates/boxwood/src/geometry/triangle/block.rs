@@ -48,6 +48,16 @@ impl TriangleBlock {
         &self.ids[..self.count()]
     }
 
+    /// One of its triangles, with its number; `None` in a lane without.
+    #[inline(always)]
+    pub fn numbered(&self, lane: usize) -> Option<(u32, [Vec3; 3])> {
+        let lane = lane % LANES;
+        let id = self.ids[lane];
+        let corner = |[x, y, z]: &[[f32; LANES]; 3]| Vec3::new(x[lane], y[lane], z[lane]);
+        let [a, b, c] = &self.corners;
+        (id != u32::MAX).then(|| (id, [corner(a), corner(b), corner(c)]))
+    }
+
     /// How many triangles it holds.
     #[inline(always)]
     pub fn count(&self) -> usize {

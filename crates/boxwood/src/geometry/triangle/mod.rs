@@ -1,8 +1,11 @@
 //! Two ray-triangle tests: the canonical watertight one, and Möller–Trumbore for comparison.
 
 pub(crate) mod block;
+pub(crate) mod closest;
+pub(crate) mod contact;
 pub mod moller_trumbore;
 pub mod overlap;
+pub(crate) mod solid_angle;
 pub mod watertight;
 
 use super::{Ray, Surface, Vec3};

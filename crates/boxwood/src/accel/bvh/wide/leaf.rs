@@ -1,7 +1,8 @@
 //! What lies in the leaves: triangles lane by lane, or the numbers of anything else.
 
 use crate::geometry::triangle::block::{BlockRay, LANES, Stop, TriangleBlock};
-use crate::primitive::{self, Primitives};
+use crate::primitive::{self, Primitives, Triangles};
+use crate::proximity::Numbered;
 use crate::query::{Counters, Query};
 use crate::simd::{Lanes, Pages, address};
 use core::ops::ControlFlow::{self, Break, Continue};
@@ -85,6 +86,26 @@ impl Leaves {
             })
             .copied()
             .filter(|&id| id != NONE)
+    }
+
+    /// The triangles in some blocks, with their numbers.
+    #[inline(always)]
+    pub fn numbered<P: Triangles>(
+        &self,
+        primitives: &P,
+        blocks: Range<usize>,
+    ) -> impl Iterator<Item = Numbered> {
+        blocks.flat_map(move |block| {
+            let lanes = self.triangles.get(block);
+            let ids = lanes.map_or(&self.ids[..], |_| &[]).get(block);
+            (0..LANES).map_while(move |lane| match (lanes, ids) {
+                (Some(lanes), _) => lanes.numbered(lane),
+                (None, Some(ids)) if ids[lane] != NONE => {
+                    Some((ids[lane], primitives.triangle(ids[lane] as usize)))
+                }
+                _ => None,
+            })
+        })
     }
 
     /// Shows the primitives in some blocks to the query.

@@ -2,7 +2,7 @@
 //!
 //! *How it works.* `collapse` makes `N` children of two, at the least expected cost; `node` holds eight rows of `N` words and
 //! meets its boxes in lanes; `leaf` holds triangles lane by lane, or numbers of anything else; `traverse` is the one loop,
-//! compiled for every instruction set, and `scalar` the same box by box.
+//! compiled for every instruction set, and `scalar` the same box by box; `hierarchy` shows the nodes to questions about space.
 //!
 //! *Cost.* About 15 bytes of nodes and 45 of leaves for each triangle of a mesh; 16 and 6 for each of other primitives.
 //!
@@ -12,6 +12,7 @@
 mod batch;
 mod build;
 mod collapse;
+mod hierarchy;
 mod leaf;
 mod node;
 mod packet;

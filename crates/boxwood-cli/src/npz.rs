@@ -1,4 +1,4 @@
-//! Hits to a NumPy archive (`.npz`): a ZIP file of `.npy` arrays, stored as they are.
+//! Arrays to a NumPy archive (`.npz`): a ZIP file of `.npy` arrays, stored as they are.
 //!
 //! The bytes depend only on the arrays: the dates inside are those of 1 January 1980, the order is the caller's, nothing
 //! is compressed, and the entries name the same system everywhere.
@@ -32,7 +32,7 @@ macro_rules! element {
         }
     )*};
 }
-element!(f32 = "<f4", u32 = "<u4", u64 = "<u8");
+element!(f32 = "<f4", u32 = "<u4", u64 = "<u8", i64 = "<i8");
 
 impl Element for bool {
     const DESCR: &str = "|b1";
