@@ -1,10 +1,12 @@
 //! Numbered sets of things a ray may meet.
 
 mod chain;
+mod instances;
 mod mesh;
 mod shapes;
 
 pub use chain::Chain;
+pub use instances::{Instance, InstanceError, Instances, Object};
 pub use mesh::{MeshError, MollerTrumbore, TriangleMesh};
 pub use shapes::{
     Cuboids, Cylinders, Discs, ImplicitSurfaces, OrientedCuboids, Planes, Shapes, Spheres, Tori,

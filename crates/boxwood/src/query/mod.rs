@@ -9,7 +9,7 @@ mod intersect;
 mod kinds;
 
 pub use counters::{Counters, Step, TraversalStats, Verdict};
-pub use intersect::Intersect;
+pub use intersect::{Intersect, Relay};
 pub use kinds::{AllHits, Closest, Filter, FirstHits, Occluded, Seen};
 
 use crate::geometry::{Aabb, Hit, Ray};
