@@ -1,7 +1,10 @@
 //! Placed objects: transforms of every sort, and sets of instances of meshes and shapes, nested or not.
 
-use crate::{Random, Spheres, soups};
-use boxwood::{Affine, Instance, Instances, Intersect, Object, StructureKind, TriangleMesh, Vec3};
+use crate::{Model, Random, Spheres, shapes, soups};
+use boxwood::{
+    Affine, BinnedSah, BruteForce, Bvh, Instance, Instances, Intersect, Lbvh, Object, Primitives,
+    StructureKind, TriangleMesh, Vec3, WideBvh,
+};
 use std::sync::Arc;
 
 /// Turned about a random axis.
@@ -50,12 +53,22 @@ pub fn mesh_object(kind: StructureKind, mesh: TriangleMesh) -> Object {
     Object::new(&mesh, Arc::from(kind.build(mesh.clone())))
 }
 
-/// Instances as an object. Not generic either.
+/// Instances as an object, under one of three structures in turn.
 ///
 /// # Panics
 /// When they are nested too deeply.
-pub fn instances_object(kind: StructureKind, instances: Arc<Instances>) -> Object {
-    let structure: Arc<dyn Intersect> = Arc::from(kind.build(instances.clone()));
+pub fn instances_object(which: usize, instances: Arc<Instances>) -> Object {
+    let structure: Arc<dyn Intersect> = match which % 3 {
+        0 => Arc::new(BruteForce::new(instances.clone())),
+        1 => {
+            let tree = BinnedSah::default().build(&instances);
+            Arc::new(Bvh::new(instances.clone(), tree))
+        }
+        _ => {
+            let tree = Lbvh::default().build(&instances);
+            Arc::new(WideBvh::<_, 8>::new(instances.clone(), &tree))
+        }
+    };
     Object::of_instances(instances, structure).expect("not too deep")
 }
 
@@ -70,27 +83,54 @@ pub struct Recipe {
     pub depth: usize,
 }
 
-/// Instances of soups, of shapes and of sets of instances. The structures within come from `kinds` in turn; what is made follows
-/// from the random numbers alone, not from the kinds.
-///
-/// # Panics
-/// When `kinds` is empty.
-pub fn set(recipe: Recipe, kinds: &[StructureKind], random: &mut Random) -> Instances {
-    let mut turn_of = kinds.iter().cycle();
-    let mut next = || *turn_of.next().expect("at least one kind");
-    let mut objects = vec![
-        mesh_object(next(), soups::random(30, random).mesh()),
-        mesh_object(next(), soups::slivers(20, random).mesh()),
-        mesh_object(next(), soups::flat(12, random.below(3), random).mesh()),
-        mesh_object(next(), soups::grid(20, random).mesh()),
-        mesh_object(next(), TriangleMesh::default()),
+/// Instances, and where their triangles are for rays to be aimed at.
+#[derive(Clone, Debug)]
+pub struct Placed {
+    /// The set.
+    pub instances: Instances,
+    /// Triangles in the world, up to rounding; of a sphere one that lies in it.
+    pub aims: Vec<[Vec3; 3]>,
+}
+
+/// An object and its triangles.
+type Aimed = (Object, Vec<[Vec3; 3]>);
+
+/// Instances of soups, of shapes and of sets of instances. What is made follows from the random numbers alone: the structures
+/// within are the judge when `plain`, and else any, in turn.
+pub fn set(recipe: Recipe, plain: bool, random: &mut Random) -> Placed {
+    let kinds: Vec<StructureKind> = StructureKind::all().collect();
+    let mut built = 0;
+    let mut next = || {
+        built += 1;
+        if plain { 0 } else { built }
+    };
+    let soups = [
+        soups::random(30, random),
+        soups::slivers(20, random),
+        soups::flat(12, random.below(3), random),
+        soups::grid(20, random),
+        Model::default(),
     ];
+    let mut objects: Vec<Aimed> = soups
+        .iter()
+        .map(|model| {
+            // Far from each other in the table, so that few soups have met many kinds.
+            let kind = kinds[next() * 5 % kinds.len()];
+            let mesh = model.mesh();
+            let aims = (0..mesh.len()).map(|i| mesh.triangle(i)).collect();
+            (mesh_object(kind, mesh), aims)
+        })
+        .collect();
     let spheres = Arc::new(Spheres::random(8, false, random));
-    let judge = boxwood::BruteForce::new(spheres.clone());
-    objects.push(Object::new(&spheres, Arc::new(judge)));
+    let judge = BruteForce::new(spheres.clone());
+    let aims = spheres.0.iter().map(|&(centre, radius)| {
+        [[radius, 0.0], [0.0, radius], [0.0, 0.0]].map(|[x, y]| centre + Vec3::new(x, y, 0.0))
+    });
+    objects.push((Object::new(&spheres, Arc::new(judge)), aims.collect()));
     for _ in 1..recipe.depth {
         let inner = scatter(&objects, 6, recipe.spread.min(2), random);
-        objects.push(instances_object(next(), Arc::new(inner)));
+        let object = instances_object(next(), Arc::new(inner.instances));
+        objects.push((object, inner.aims));
         let newest = objects.len() - 1;
         // So that the deepest are met often.
         objects.swap(0, newest);
@@ -98,7 +138,7 @@ pub fn set(recipe: Recipe, kinds: &[StructureKind], random: &mut Random) -> Inst
     scatter(&objects, recipe.count, recipe.spread, random)
 }
 
-fn scatter(objects: &[Object], count: usize, spread: usize, random: &mut Random) -> Instances {
+fn scatter(objects: &[Aimed], count: usize, spread: usize, random: &mut Random) -> Placed {
     let mut instances: Vec<Instance> = Vec::new();
     for _ in 0..count {
         let object = if random.one_in(3) {
@@ -113,19 +153,22 @@ fn scatter(objects: &[Object], count: usize, spread: usize, random: &mut Random)
         };
         instances.push(placed.masked(random.pick(&[u32::MAX, 0b010, 0b101, u32::MAX])));
     }
-    Instances::new(objects.to_vec(), instances).expect("good instances")
+    place(objects, instances)
 }
 
 /// Small turned meshes all over a plain, many of them.
 ///
 /// # Panics
 /// Never, unless a plain is too large for floats.
-pub fn plain(count: usize, kind: StructureKind, random: &mut Random) -> Instances {
+pub fn plain(count: usize, random: &mut Random) -> Placed {
     let side = (count as f32).sqrt();
-    let objects = [
-        mesh_object(kind, crate::shapes::sphere(8, 5).mesh()),
-        mesh_object(kind, soups::random(20, random).mesh()),
-    ];
+    let kind = StructureKind::default();
+    let models = [shapes::sphere(8, 5), soups::random(20, random)];
+    let objects = models.map(|model| {
+        let mesh = model.mesh();
+        let aims = (0..mesh.len()).map(|i| mesh.triangle(i)).collect();
+        (mesh_object(kind, mesh), aims)
+    });
     let instances: Vec<Instance> = (0..count)
         .map(|i| {
             let to = Vec3::new(random.unit() * side, 0.0, random.unit() * side);
@@ -135,5 +178,19 @@ pub fn plain(count: usize, kind: StructureKind, random: &mut Random) -> Instance
             Instance::new((i % 2) as u32, placed)
         })
         .collect();
-    Instances::new(objects, instances).expect("good instances")
+    place(&objects, instances)
+}
+
+fn place(objects: &[Aimed], instances: Vec<Instance>) -> Placed {
+    let aims = instances.iter().flat_map(|instance| {
+        let (_, aims) = &objects[instance.object as usize];
+        let place = instance.transform;
+        aims.iter().map(move |t| t.map(|p| place.point(p)))
+    });
+    let aims = aims.collect();
+    let objects = objects.iter().map(|(object, _)| object.clone());
+    Placed {
+        instances: Instances::new(objects, instances).expect("good instances"),
+        aims,
+    }
 }
