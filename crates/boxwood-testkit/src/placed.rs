@@ -128,7 +128,8 @@ pub fn set(recipe: Recipe, plain: bool, random: &mut Random) -> Placed {
     });
     objects.push((Object::new(&spheres, Arc::new(judge)), aims.collect()));
     for _ in 1..recipe.depth {
-        let inner = scatter(&objects, 6, recipe.spread.min(2), random);
+        // Few, because what they stand for multiplies.
+        let inner = scatter(&objects, 3, recipe.spread.min(2), random);
         let object = instances_object(next(), Arc::new(inner.instances));
         objects.push((object, inner.aims));
         let newest = objects.len() - 1;

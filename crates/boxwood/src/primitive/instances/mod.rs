@@ -272,6 +272,10 @@ impl Instances {
         self.placements.iter_mut().enumerate().for_each(set);
     }
 
+    /// Whether an object can be placed by a transform: it is finite and has an inverse that floats can tell.
+    pub fn can_place(transform: &Affine) -> bool {
+        exactly(|| Placement::of(&Instance::new(0, *transform)).is_ok())
+    }
     /// The objects.
     pub fn objects(&self) -> &[Object] {
         &self.objects

@@ -57,8 +57,25 @@ pub(super) enum Flaw {
 type Matrix = [[f64; 3]; 3];
 
 impl Placement {
-    /// Of an instance that is as good as its object and its transform are. The box is not made yet.
+    /// Of an instance whose transform and whose place are good. The box is not made yet.
     pub fn new(instance: &Instance, object: &Object) -> Result<Self, Flaw> {
+        let placement = Self::of(instance)?;
+        let hull = hull(&instance.transform, object);
+        let reach = hull.map_or(0.0, |hull| {
+            let ends = hull.iter().flatten();
+            ends.fold(0.0, |m, x| if x.abs() <= m { m } else { x.abs() })
+        });
+        if !(reach <= FARTHEST) {
+            return Err(Flaw::TooLarge);
+        }
+        Ok(Self {
+            reach: reach as f32,
+            ..placement
+        })
+    }
+
+    /// The same without an object.
+    pub fn of(instance: &Instance) -> Result<Self, Flaw> {
         let transform = &instance.transform;
         if !transform.rows.iter().flatten().all(|x| x.is_finite()) {
             return Err(Flaw::NotFinite);
@@ -78,18 +95,7 @@ impl Placement {
         if !residual.iter().flatten().all(|x| *x <= MOST_RESIDUAL) {
             return Err(Flaw::Singular);
         }
-        let hull = hull(transform, object);
-        let reach = hull.map_or(0.0, |hull| {
-            let ends = hull.iter().flatten();
-            ends.fold(0.0, |m, x| if x.abs() <= m { m } else { x.abs() })
-        });
-        if !(reach <= FARTHEST) {
-            return Err(Flaw::TooLarge);
-        }
-        Ok(Self {
-            reach: reach as f32,
-            ..placement
-        })
+        Ok(placement)
     }
 
     /// The ray in the object's space.
