@@ -124,6 +124,13 @@ pub struct RenderArgs {
     #[arg(long)]
     pub transparent: bool,
 
+    /// Lay every placement of a mesh out in the world, as one large mesh
+    ///
+    /// By default meshes that are placed more than once are kept once, and rays are taken into their space: far less memory, but
+    /// slower where many small meshes lie close together. The last bits of answers differ between the two.
+    #[arg(long)]
+    pub flatten: bool,
+
     #[command(flatten)]
     pub tracing: TracingArgs,
 
@@ -199,7 +206,8 @@ Hits are arrays of length n, the same bytes for every structure and any number o
   primitive  uint32   the triangle's number among all unique triangles, in file order
   geometry   uint32   the mesh's number
   instance   uint32   which placement of the mesh, depth first; 0 for a mesh placed once
-All three are 4294967295 for a miss. Of equally near hits the lowest (instance, primitive) counts.
+All three are 4294967295 for a miss. Of equally near hits one of a mesh placed once counts, and then
+the lowest (instance, primitive).
 
 Examples:
   boxwood cast bunny.ply --rays rays.npy -o hits.npz
@@ -232,6 +240,13 @@ pub struct CastArgs {
     /// triangle run counter-clockwise, whichever side the ray comes from; 0 for a miss.
     #[arg(long)]
     pub normals: bool,
+
+    /// Lay every placement of a mesh out in the world, as one large mesh
+    ///
+    /// By default meshes that are placed more than once are kept once, and rays are taken into their space: far less memory, but
+    /// slower where many small meshes lie close together. The last bits of answers differ between the two.
+    #[arg(long)]
+    pub flatten: bool,
 
     #[command(flatten)]
     pub tracing: TracingArgs,

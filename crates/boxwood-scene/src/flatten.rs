@@ -53,7 +53,7 @@ impl Scene {
     /// When an instance names a mesh that does not exist, which no loader does.
     pub fn flatten(&self) -> Result<FlatScene, MeshError> {
         let count = self.triangle_count();
-        let vertices = self.count(|mesh| mesh.positions.len() as u64);
+        let vertices = self.count(|mesh| self.meshes[mesh as usize].positions.len() as u64);
         let most = count.max(vertices).max(self.placement_count());
         if most >= u64::from(u32::MAX) {
             return Err(MeshError::TooMany {

@@ -213,7 +213,7 @@ pub struct Environment {
 impl Scene {
     /// How many triangles when every placement counts.
     pub fn triangle_count(&self) -> u64 {
-        self.count(|mesh| mesh.triangles.len() as u64)
+        self.count(|mesh| self.meshes[mesh as usize].triangles.len() as u64)
     }
 
     /// How many triangles when each mesh counts once.
@@ -226,12 +226,10 @@ impl Scene {
         self.count(|_| 1)
     }
 
-    /// The sum over all placements of what is counted in a mesh; at most `u64::MAX`.
-    pub fn count(&self, in_mesh: impl Fn(&Mesh) -> u64) -> u64 {
+    /// The sum over all placements of what is counted in a mesh, given by its index; at most `u64::MAX`.
+    pub fn count(&self, in_mesh: impl Fn(u32) -> u64) -> u64 {
         let direct = |instances: &[Instance]| {
-            let each = instances
-                .iter()
-                .map(|placed| in_mesh(&self.meshes[placed.mesh as usize]));
+            let each = instances.iter().map(|placed| in_mesh(placed.mesh));
             each.fold(0, u64::saturating_add)
         };
         let groups = |placed: &[PlacedGroup], counts: &[u64]| {
