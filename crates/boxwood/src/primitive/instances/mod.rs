@@ -360,8 +360,13 @@ impl Primitives for Instances {
         counters: &mut C,
     ) -> ControlFlow<()> {
         let placement = &self.placements[i];
+        // Hits count only in this box, so nothing is lost; and many boxes in a leaf are met by few rays.
+        if ray.enters(&placement.bounds, query.t_max()).is_none() {
+            return Continue(());
+        }
         let object = &self.objects[placement.object as usize];
         let made_of_instances = object.instances().is_some();
+        let within = placement.ray(ray, query.t_max());
         let mut stats = TraversalStats::default();
         let mut flow = Continue(());
         let asked = Relay {
@@ -370,15 +375,16 @@ impl Primitives for Instances {
             time: query.time(),
             stats: C::COUNTS.then_some(&mut stats),
             visit: &mut |hit| {
-                let within = if made_of_instances { hit.instance } else { 0 };
+                let number = if made_of_instances { hit.instance } else { 0 };
                 flow = query.offer(Hit {
-                    instance: placement.first + within,
+                    // Wraps only where a structure stands over other things than it should.
+                    instance: placement.first.wrapping_add(number),
                     ..hit
                 });
                 flow.map_continue(|()| query.t_max())
             },
         };
-        (object.structure()).relay(&placement.ray(ray, ray.t_max), asked);
+        (object.structure()).relay(&within, asked);
         if C::COUNTS {
             (0..stats.nodes).for_each(|_| counters.node());
             (0..stats.leaves).for_each(|_| counters.leaf());
