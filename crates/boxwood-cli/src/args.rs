@@ -78,7 +78,8 @@ Examples:
   boxwood render helmet.gltf -o helmet.exr --spp 64
   boxwood render bunny.ply --view cost --accel bvh:median -o cost.png
   boxwood render teapot-in-stadium --camera overview --size 640x360 -o - | display
-  boxwood render city:2000,seed=3 -o city.png")]
+  boxwood render city:2000,seed=3 -o city.png
+  boxwood render sponge:6 --camera inside      768 million triangles, by instances")]
 pub struct RenderArgs {
     /// A scene file (.obj, .ply, .stl, .gltf, .glb), or the name of a built-in scene
     #[arg(default_value = crate::scene_file::DEFAULT, value_name = "SCENE", long_help = scene_help())]

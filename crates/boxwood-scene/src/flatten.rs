@@ -203,7 +203,7 @@ impl FlatScene {
 mod tests {
     use super::*;
     use crate::{Instance, Mesh};
-    use boxwood::{Affine, BoundingBoxes, Intersect, ObjectBoxes, Primitives};
+    use boxwood::{Aabb, BoundingBoxes, Intersect, ObjectBoxes, Primitives};
 
     fn mesh(triangles: u32) -> Mesh {
         Mesh {

@@ -1,5 +1,6 @@
 //! Instances: the answer is that of the ray within, and no hit is lost on the way there.
 
+use boxwood::accel::bvh::refine::refit;
 use boxwood::{
     Affine, BinnedSah, BruteForce, Bvh, Hit, Instance, Instances, Intersect, Lbvh, Object,
     Primitives, Ray, Surfaces, TriangleMesh, Vec3, WideBvh,
@@ -228,7 +229,13 @@ fn moving_is_placing_anew() {
         spread: 2,
         depth: 2,
     };
-    let mut set = placed::set(recipe, true, &mut random).instances;
+    let Placed {
+        instances: mut set,
+        aims,
+    } = placed::set(recipe, true, &mut random);
+    let targets = Targets::of_triangles(aims);
+    let mut tree = BinnedSah::default().build(&set);
+    let mut hits = 0;
     for round in 0..8 {
         let spread = if round == 3 { 8 } else { 1 };
         let moves: Vec<(usize, Affine)> = (0..10)
@@ -240,7 +247,19 @@ fn moving_is_placing_anew() {
         for i in 0..50 {
             assert_eq!(set.bounds(i), anew.bounds(i), "round {round}, {i}");
         }
+        refit(&mut tree, &set);
+        let (bvh, judge) = (Bvh::new(&set, tree.clone()), BruteForce::new(&anew));
+        for ray in sample(KINDS[0].1, effort(40), &targets, &judge, &mut random) {
+            let expected = judge.all_hits(&ray);
+            hits += expected.len();
+            assert_eq!(
+                bits(&bvh.all_hits(&ray)),
+                bits(&expected),
+                "round {round}, {ray:?}"
+            );
+        }
     }
+    assert!(hits > 100, "{hits}");
     let before: Vec<_> = (0..50).map(|i| set.bounds(i)).collect();
     let flat = Affine::scale([0.0, 1.0, 1.0]);
     assert!(set.move_to(&[(1, Affine::IDENTITY), (2, flat)]).is_err());

@@ -19,7 +19,7 @@ use core::ops::ControlFlow::{self, Continue};
 
 /// A numbered set of things a ray may meet: what every structure is built over.
 ///
-/// Implemented for meshes, the analytic shapes of this module, and `&P` and `Arc<P>` of any of them; users write their
+/// Implemented for meshes, the analytic shapes of this module, placed objects ([`Instances`]), and `&P` and `Arc<P>` of any of them; users write their
 /// own by saying how many there are, where each lies and how a ray meets it.
 pub trait Primitives {
     /// How many.
