@@ -127,7 +127,7 @@ fn structures_change_no_bit_of_instances() {
 
 #[test]
 fn twenty_million_triangles_take_little_memory() {
-    let plants = builtin::by_name("plants:60k").expect("it exists");
+    let plants = builtin::by_name("plants:200k").expect("it exists");
     assert!(
         plants.triangle_count() > 20_000_000,
         "{}",

@@ -28,7 +28,7 @@ const fn size(what: &'static str, default: u32, range: RangeInclusive<u32>) -> O
     })
 }
 
-/// All of them. Ranges end where a scene would take several gigabytes.
+/// All of them. Ranges end where a scene would take several gigabytes (plants and sponges as instances).
 const BUILTINS: [Builtin; 9] = [
     Builtin {
         name: "teapot-in-stadium",
@@ -52,7 +52,7 @@ const BUILTINS: [Builtin; 9] = [
     },
     Builtin {
         name: "plants",
-        size: size("plants", 3000, 1..=100_000),
+        size: size("plants", 3000, 1..=2_000_000),
         make: plants::plants,
     },
     Builtin {
