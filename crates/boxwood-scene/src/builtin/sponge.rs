@@ -20,8 +20,7 @@ const MESHED: u32 = 2;
 pub(super) fn sponge(levels: u32, seed: u64) -> Scene {
     let mut random = Random::new(seed, 9);
     let mut stage = Stage::default();
-    let mut hue = || random.between(0.12, 0.7);
-    let colour = [hue(), hue(), hue()];
+    let colour = [(0.5, 0.75), (0.3, 0.5), (0.08, 0.3)].map(|(from, to)| random.between(from, to));
     let stuff = stage.material(paint("sponge", colour, 0.8));
     let floor = stage.material(paint("floor", [0.34, 0.35, 0.37], 0.9));
     stage.build(
