@@ -122,24 +122,25 @@ pub enum InstanceError {
 ///
 /// ```
 /// use boxwood::{
-///     Affine, BruteForce, Instance, Instances, Intersect, Object, Ray, StructureKind, TriangleMesh,
+///     Affine, BinnedSah, BruteForce, Bvh, Instance, Instances, Intersect, Object, Ray, TriangleMesh,
 /// };
 /// use std::sync::Arc;
 ///
-/// let kind = StructureKind::default();
 /// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// let mesh = Arc::new(TriangleMesh::new(corners, [[0_u32, 1, 2]])?);
-/// let leaf = Object::new(&mesh, kind.build(mesh.clone()).into());
+/// let leaf = Object::new(&mesh, Arc::new(BruteForce::new(mesh.clone())));
 ///
 /// // Two leaves on a twig, three twigs one behind the other.
 /// let step = |by: f32| Affine::translation([0.0, 0.0, by]);
 /// let twig = Instances::new([leaf], [0.0, 1.0].map(|z| Instance::new(0, step(z))))?;
 /// let twig = Arc::new(twig);
-/// let twig = Object::of_instances(twig.clone(), kind.build(twig).into())?;
+/// let bvh = Bvh::new(twig.clone(), BinnedSah::default().build(&twig));
+/// let twig = Object::of_instances(twig, Arc::new(bvh))?;
 /// let bush = Instances::new([twig], [0.0, 4.0, 8.0].map(|z| Instance::new(0, step(z))))?;
 ///
+/// let bvh = Bvh::new(&bush, BinnedSah::default().build(&bush));
 /// let ray = Ray::new([0.2, 0.2, 20.0], [0.0, 0.0, -1.0]);
-/// let hit = kind.build(&bush).closest_hit(&ray).expect("the last leaf");
+/// let hit = bvh.closest_hit(&ray).expect("the last leaf");
 /// assert_eq!((hit.t, hit.primitive, hit.instance), (11.0, 0, 5));
 /// assert_eq!(bush.path(hit.instance).collect::<Vec<_>>(), [2, 1]);
 /// assert_eq!(BruteForce::new(&bush).closest_hit(&ray), Some(hit));
