@@ -2,7 +2,7 @@
 
 mod scenes;
 
-use boxwood::{Affine, Intersect, Ray, StructureKind};
+use boxwood::{Affine, Ray, StructureKind};
 use boxwood_render::{Film, Layout, Options, Renderer, Setup, View, camera};
 use boxwood_scene::{Camera, Group, Instance, Material, PlacedGroup, Scene, builtin};
 use scenes::{add, quad};
