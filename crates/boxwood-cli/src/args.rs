@@ -82,7 +82,8 @@ Examples:
   boxwood render helmet.gltf -o helmet.exr --spp 64
   boxwood render bunny.ply --view cost --accel bvh:median -o cost.png
   boxwood render teapot-in-stadium --camera overview --size 640x360 -o - | display
-  boxwood render city:2000,seed=3 -o city.png")]
+  boxwood render city:2000,seed=3 -o city.png
+  boxwood render sponge:6 --camera inside      768 million triangles, by instances")]
 pub struct RenderArgs {
     /// A scene file (.obj, .ply, .stl, .gltf, .glb), or the name of a built-in scene
     #[arg(default_value = crate::scene_file::DEFAULT, value_name = "SCENE", long_help = scene_help())]
@@ -127,6 +128,13 @@ pub struct RenderArgs {
     /// Leave the background of a PNG transparent
     #[arg(long)]
     pub transparent: bool,
+
+    /// Lay every placement of a mesh out in the world, as one large mesh
+    ///
+    /// By default meshes that are placed more than once are kept once, and rays are taken into their space: far less memory, but
+    /// slower where many small meshes lie close together. The last bits of answers differ between the two.
+    #[arg(long)]
+    pub flatten: bool,
 
     #[command(flatten)]
     pub tracing: TracingArgs,
@@ -203,7 +211,8 @@ Hits are arrays of length n, the same bytes for every structure and any number o
   primitive  uint32   the triangle's number among all unique triangles, in file order
   geometry   uint32   the mesh's number
   instance   uint32   which placement of the mesh, depth first; 0 for a mesh placed once
-All three are 4294967295 for a miss. Of equally near hits the lowest (instance, primitive) counts.
+All three are 4294967295 for a miss. Of equally near hits one of a mesh placed once counts, and then
+the lowest (instance, primitive).
 
 Examples:
   boxwood cast bunny.ply --rays rays.npy -o hits.npz
@@ -236,6 +245,13 @@ pub struct CastArgs {
     /// triangle run counter-clockwise, whichever side the ray comes from; 0 for a miss.
     #[arg(long)]
     pub normals: bool,
+
+    /// Lay every placement of a mesh out in the world, as one large mesh
+    ///
+    /// By default meshes that are placed more than once are kept once, and rays are taken into their space: far less memory, but
+    /// slower where many small meshes lie close together. The last bits of answers differ between the two.
+    #[arg(long)]
+    pub flatten: bool,
 
     #[command(flatten)]
     pub tracing: TracingArgs,

@@ -22,7 +22,8 @@ struct Contents<'a> {
     /// Of exactly zero area; every placement counts.
     degenerate: u64,
     meshes: usize,
-    instances: usize,
+    /// Placements of meshes, those in placed groups included.
+    instances: u64,
     bounds: Option<Bounds>,
     materials: usize,
     textures: usize,
@@ -61,13 +62,9 @@ impl<'a> Contents<'a> {
             format: file.format,
             triangles: scene.triangle_count(),
             unique_triangles: scene.unique_triangle_count(),
-            degenerate: scene
-                .instances
-                .iter()
-                .map(|placed| degenerate[placed.mesh as usize])
-                .sum(),
+            degenerate: scene.count(|mesh| degenerate[mesh as usize]),
             meshes: scene.meshes.len(),
-            instances: scene.instances.len(),
+            instances: scene.placement_count(),
             bounds: (!bounds.is_empty()).then(|| Bounds {
                 min: bounds.lower.to_array(),
                 max: bounds.upper.to_array(),
@@ -96,7 +93,7 @@ impl<'a> Contents<'a> {
         }
         lines.push(("triangles", triangles));
         lines.push(("meshes", grouped(self.meshes as u64)));
-        lines.push(("instances", grouped(self.instances as u64)));
+        lines.push(("instances", grouped(self.instances)));
         match &self.bounds {
             None => lines.push(("bounds", "empty".to_string())),
             Some(Bounds { min, max }) => {
@@ -207,7 +204,11 @@ fn memory(scene: &Scene) -> u64 {
     let images = scene.images.iter().map(|image| image.bytes.len());
     let tables = size_of_val(&*scene.meshes)
         + size_of_val(&*scene.instances)
-        + size_of_val(&*scene.materials);
+        + size_of_val(&*scene.placed_groups)
+        + size_of_val(&*scene.materials)
+        + (scene.groups.iter())
+            .map(|group| size_of_val(&*group.instances) + size_of_val(&*group.groups))
+            .sum::<usize>();
     (meshes.chain(images).sum::<usize>() + tables) as u64
 }
 

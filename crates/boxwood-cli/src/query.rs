@@ -165,7 +165,10 @@ fn add_points(
     )?;
     archive.add("u", each().map(|p| p.map_or(0.0, |p| p.u)))?;
     archive.add("v", each().map(|p| p.map_or(0.0, |p| p.v)))?;
-    add_located(archive, flat, each().map(|p| p.map(|p| p.primitive)))
+    let located: Vec<_> = each()
+        .map(|p| p.map(|p| flat.locate(p.primitive)))
+        .collect();
+    add_located(archive, &located)
 }
 
 impl Report {

@@ -39,6 +39,8 @@ struct Report<'a> {
     camera: Option<String>,
     triangles: u64,
     structure: String,
+    /// Of all structures and instances, without meshes.
+    structure_bytes: u64,
     threads: usize,
     load_seconds: f64,
     /// Triangles laid out, structure built, images decoded.
@@ -86,12 +88,15 @@ fn picture(
     let setup = Setup {
         structure: args.tracing.accel,
         environment,
+        flatten: args.flatten,
     };
     let start = Instant::now();
     let renderer = {
         let _progress = Progress::spinner(format!("Building {}", args.tracing.accel));
         Renderer::new(&file.scene, &setup).map_err(|error| match error {
-            RenderError::Mesh(_) => Failure::new(format!("{}: {error}", file.name)),
+            RenderError::Mesh(_) | RenderError::Instances(_) => {
+                Failure::new(format!("{}: {error}", file.name))
+            }
             _ => Failure::from(error),
         })?
     };
@@ -141,6 +146,7 @@ fn picture(
         camera: camera_name,
         triangles: file.scene.triangle_count(),
         structure: args.tracing.accel.to_string(),
+        structure_bytes: renderer.layout().bytes() as u64,
         threads,
         load_seconds: file.seconds,
         build_seconds,
@@ -175,7 +181,7 @@ impl Report<'_> {
         };
         format!(
             "scene   {}: {}{camera}\n\
-             loaded  in {}, built {} in {}\n\
+             loaded  in {}, built {} in {} ({})\n\
              traced  in {} with {}{help}\n\
              wrote   {place} ({}x{}, {}, {}, {})",
             self.scene,
@@ -183,6 +189,7 @@ impl Report<'_> {
             seconds(self.load_seconds),
             self.structure,
             seconds(self.build_seconds),
+            terminal::bytes(self.structure_bytes),
             seconds(self.render_seconds),
             counted(self.threads as u64, "thread"),
             self.width,

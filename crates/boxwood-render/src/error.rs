@@ -1,6 +1,6 @@
 //! What can go wrong on the way to a picture, in one clear sentence each.
 
-use boxwood::MeshError;
+use boxwood::{InstanceError, MeshError};
 use boxwood_scene::SceneError;
 
 /// Why something could not be rendered or encoded.
@@ -10,6 +10,9 @@ pub enum RenderError {
     /// The scene's triangles cannot be laid out in the world.
     #[error("the scene cannot be laid out: {0}")]
     Mesh(#[from] MeshError),
+    /// The scene's placements cannot be kept as instances.
+    #[error("the scene cannot be laid out: {0}")]
+    Instances(#[from] InstanceError),
     /// The environment image cannot be decoded.
     #[error("the environment cannot be read: {0}")]
     Environment(#[source] SceneError),

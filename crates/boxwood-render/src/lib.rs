@@ -23,6 +23,7 @@ mod colour;
 mod environment;
 mod error;
 mod film;
+mod layout;
 mod render;
 mod sample;
 mod shade;
@@ -33,6 +34,7 @@ mod world;
 
 pub use error::RenderError;
 pub use film::{Film, Pixel, PngOptions};
+pub use layout::Layout;
 pub use render::{Options, Renderer, Setup};
 pub use structure::build_structure;
 pub use views::{HeatScale, UnknownView, View, inferno, inferno_srgb};

@@ -3,6 +3,7 @@
 use crate::camera::Lens;
 use crate::colour::luminance;
 use crate::film::{Film, Pixel};
+use crate::layout::Layout;
 use crate::sample::{Samples, tent};
 use crate::shade::light::Lamp;
 use crate::shade::whitted::{Branch, Seen, Sent, Tracer, WAVE};
@@ -22,6 +23,10 @@ pub struct Setup {
     /// A latitude-longitude image around the scene, in place of the scene's own: row 0 is straight up, the centre column
     /// lies towards −z of a y-up world.
     pub environment: Option<Image>,
+    /// Whether every placement is laid out in the world. By default meshes that are placed more than once are instances, which
+    /// takes far less memory; the rays that they meet are then computed in each mesh's own space, so that the last bits of
+    /// pictures differ.
+    pub flatten: bool,
 }
 
 /// What a picture should be.
@@ -106,9 +111,14 @@ impl Renderer {
         &self.warnings
     }
 
-    /// What the structure is made of.
+    /// What the structure is made of that rays ask; where there are instances, the one over them.
     pub fn statistics(&self) -> Statistics {
-        self.world.structure.statistics()
+        self.world.layout.structure().statistics()
+    }
+
+    /// The scene's triangles under their structures.
+    pub fn layout(&self) -> &Layout {
+        &self.world.layout
     }
 
     /// Renders a picture in the caller's rayon pool; the film has the same bits for any number of threads. `progress` is
@@ -164,7 +174,7 @@ impl Renderer {
     fn tracer(&self, lens: &Lens, options: &Options) -> Tracer<'_> {
         let key = self.world.key_light.map(|irradiance| {
             Lamp::sun(
-                lens.over_the_shoulder(self.world.up, &self.world.structure.bounds()),
+                lens.over_the_shoulder(self.world.up, &self.world.layout.structure().bounds()),
                 irradiance,
                 0.05,
             )
@@ -309,7 +319,11 @@ impl Shot<'_> {
     fn middle(&self, [x, y]: [u32; 2]) -> Pixel {
         let ray = self.lens.ray(x as f32 + 0.5, y as f32 + 0.5);
         let mut steps = TraversalStats::default();
-        let nearest = self.world.structure.closest_hit_counted(&ray, &mut steps);
+        let nearest = self
+            .world
+            .layout
+            .structure()
+            .closest_hit_counted(&ray, &mut steps);
         let hit = self.world.closest(&ray, nearest);
         let few = |n: u64| u32::try_from(n).unwrap_or(u32::MAX);
         let mut pixel = Pixel {
@@ -318,7 +332,7 @@ impl Shot<'_> {
             ..NOTHING
         };
         if let Some(hit) = hit {
-            let located = self.world.flat.locate(hit.primitive);
+            let located = self.world.layout.locate(&hit);
             pixel.depth = self.lens.depth(ray.at(hit.t));
             pixel.primitive = located.primitive;
             pixel.material = self.world.meshes[located.mesh as usize].material as u32;

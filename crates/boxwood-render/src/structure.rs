@@ -1,6 +1,7 @@
-//! All structures over meshes, compiled once for everything that is built on this crate.
+//! All structures over meshes and over instances, compiled once for everything that is built on this crate.
 
-use boxwood::{BuildError, Intersect, Limits, StructureKind, TriangleMesh};
+use boxwood::{BuildError, Instances, Intersect, Limits, StructureKind, TriangleMesh};
+use std::sync::Arc;
 
 /// [`StructureKind::build_within`] over a mesh.
 ///
@@ -14,4 +15,17 @@ pub fn build_structure<'a>(
     limits: &Limits<'_>,
 ) -> Result<Box<dyn Intersect + 'a>, BuildError> {
     kind.build_within(mesh, limits)
+}
+
+/// The same, of a structure that keeps its mesh.
+pub(crate) fn over_mesh(kind: StructureKind, mesh: &Arc<TriangleMesh>) -> Arc<dyn Intersect> {
+    Arc::from(kind.build(mesh.clone()))
+}
+
+/// The same, of a structure over instances.
+pub(crate) fn over_instances(
+    kind: StructureKind,
+    instances: &Arc<Instances>,
+) -> Arc<dyn Intersect> {
+    Arc::from(kind.build(instances.clone()))
 }

@@ -2,25 +2,21 @@
 
 use crate::RenderError;
 use crate::environment::Environment;
+use crate::layout::Layout;
 use crate::render::Setup;
 use crate::shade::emitters::Emitters;
 use crate::shade::light::Lamp;
 use crate::shade::material::{self, Prepared, Textures};
 use crate::shade::texture::{Encoding, Texture};
-use boxwood::{Aabb, Affine, Intersect, TriangleMesh, Vec3};
-use boxwood_scene::{FlatScene, Image, ImageData, Light, LightKind, Mesh, Scene};
+use boxwood::{Aabb, Affine, Hit, Vec3};
+use boxwood_scene::{Image, ImageData, Light, LightKind, Mesh, Scene};
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// Everything that shading reads. Nothing in it changes while rays fly.
 pub(crate) struct World {
-    /// All triangles in world space.
-    pub mesh: Arc<TriangleMesh>,
-    pub structure: Box<dyn Intersect>,
-    /// From triangles to meshes and placements; its own mesh has been moved to `mesh`.
-    pub flat: FlatScene,
+    /// All triangles under a structure.
+    pub layout: Layout,
     pub meshes: Vec<Attributes>,
-    pub placements: Vec<Placement>,
     pub materials: Vec<Prepared>,
     pub textures: Textures,
     /// Triangles that a ray may pass through, wholly or in part.
@@ -54,23 +50,44 @@ pub(crate) struct Placement {
     pub transform: Affine,
     pub plain: bool,
     pub mirrors: bool,
+    /// Whether triangles turn over where the transform mirrors: those that are laid out do, those of instances do not.
+    pub turns_over: bool,
 }
 
-/// Which triangles have holes or let light through, a bit each; no bits where none does.
+/// A triangle's (instance, primitive).
+pub(crate) type Triangle = (u32, u32);
+
+/// Which triangles have holes or let light through: a bit for each mesh, and for each triangle that is laid out, so that
+/// nobody needs to search for its mesh. No bits where none does.
 #[derive(Default)]
 pub(crate) struct Open {
-    holes: Vec<u64>,
-    through: Vec<u64>,
+    holes: Bits,
+    through: Bits,
 }
 
-impl Open {
+#[derive(Default)]
+struct Bits {
+    meshes: Vec<u64>,
+    laid_out: Vec<u64>,
+}
+
+impl World {
     /// Whether alpha may take this one away.
-    pub fn has_holes(&self, triangle: u32) -> bool {
-        bit(&self.holes, triangle)
+    pub fn has_holes(&self, triangle: Triangle) -> bool {
+        self.is_set(&self.open.holes, triangle)
     }
     /// Whether light may go through this one, by alpha or transmission.
-    pub fn lets_through(&self, triangle: u32) -> bool {
-        bit(&self.through, triangle)
+    pub fn lets_through(&self, triangle: Triangle) -> bool {
+        self.is_set(&self.open.through, triangle)
+    }
+    fn is_set(&self, bits: &Bits, (instance, primitive): Triangle) -> bool {
+        if bits.meshes.is_empty() {
+            false
+        } else if instance == 0 && !bits.laid_out.is_empty() {
+            bit(&bits.laid_out, primitive)
+        } else {
+            bit(&bits.meshes, self.layout.mesh_of((instance, primitive)))
+        }
     }
 }
 
@@ -90,26 +107,17 @@ impl World {
         } else {
             Vec3::from(scene.up).normalized()
         };
-        let mut flat = scene.flatten()?;
-        let mesh = Arc::new(std::mem::take(&mut flat.mesh));
-        let structure = setup.structure.build(mesh.clone());
+        let layout = Layout::new(scene, setup.structure, setup.flatten)?;
         let (materials, textures) = material::prepare(scene, warnings);
-        let bounds = structure.bounds();
+        let bounds = layout.structure().bounds();
 
         let mut world = Self {
             ambient_reach: 0.12 * bounds.size().length(),
-            mesh,
-            structure,
-            flat,
+            layout,
             meshes: scene
                 .meshes
                 .par_iter()
                 .map(|mesh| Attributes::of(mesh, scene.materials.len()))
-                .collect(),
-            placements: scene
-                .instances
-                .iter()
-                .map(|i| Placement::of(i.transform))
                 .collect(),
             materials,
             textures,
@@ -172,14 +180,13 @@ impl World {
         Ok(())
     }
 
-    /// The material of a flat triangle.
-    pub fn material_of(&self, triangle: u32) -> &Prepared {
-        let mesh = self.flat.locate(triangle).mesh;
+    /// The material of a triangle.
+    pub fn material_of(&self, triangle: Triangle) -> &Prepared {
+        let mesh = self.layout.mesh_of(triangle);
         &self.materials[self.meshes[mesh as usize].material]
     }
 
     fn find_open(&self) -> Open {
-        let mut open = Open::default();
         let kinds: Vec<_> = self
             .meshes
             .iter()
@@ -192,24 +199,31 @@ impl World {
                 (holes, holes || material.transmits())
             })
             .collect();
-        let words = self.mesh.triangles().len().div_ceil(64);
-        if kinds.iter().any(|kind| kind.0) {
-            open.holes = vec![0; words];
-        }
-        if kinds.iter().any(|kind| kind.1) {
-            open.through = vec![0; words];
-            for i in 0..self.mesh.triangles().len() as u32 {
-                let (holes, through) = kinds[self.flat.locate(i).mesh as usize];
-                if holes {
-                    open.holes[i as usize / 64] |= 1 << (i % 64);
-                }
-                if through {
-                    open.through[i as usize / 64] |= 1 << (i % 64);
-                }
+        let count = self.layout.laid_out_triangles();
+        // No bits where no mesh has any.
+        let bits = |has: &dyn Fn(usize) -> bool| {
+            if !(0..kinds.len()).any(has) {
+                return Bits::default();
             }
+            Bits {
+                meshes: packed(kinds.len() as u32, |mesh| has(mesh as usize)),
+                laid_out: packed(count, |i| has(self.layout.mesh_of((0, i)) as usize)),
+            }
+        };
+        Open {
+            holes: bits(&|mesh| kinds[mesh].0),
+            through: bits(&|mesh| kinds[mesh].1),
         }
-        open
     }
+}
+
+/// A bit for each number below `count`.
+fn packed(count: u32, is_set: impl Fn(u32) -> bool) -> Vec<u64> {
+    let mut bits = vec![0; count.div_ceil(64) as usize];
+    for i in (0..count).filter(|&i| is_set(i)) {
+        bits[i as usize / 64] |= 1 << (i % 64);
+    }
+    bits
 }
 
 /// Edges sharper than this (40 degrees) stay edges where smooth normals are made.
@@ -302,11 +316,15 @@ impl Attributes {
     }
 }
 
-impl Placement {
-    fn of(transform: Affine) -> Self {
-        Self {
+impl World {
+    /// Where a hit's mesh stands.
+    pub fn placement(&self, hit: &Hit) -> Placement {
+        let (transform, is_instance) = self.layout.transform(hit);
+        let mirrors = transform.mirrors();
+        Placement {
             plain: transform == Affine::IDENTITY,
-            mirrors: transform.mirrors(),
+            mirrors,
+            turns_over: mirrors && !is_instance,
             transform,
         }
     }

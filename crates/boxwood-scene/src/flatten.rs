@@ -1,7 +1,7 @@
 //! Every placement of every mesh as one set of triangles, and the way back from a hit.
 
-use crate::Scene;
-use boxwood::{Aabb, MeshError, TriangleMesh};
+use crate::scene::{Instance, PlacedGroup, Scene};
+use boxwood::{Affine, MeshError, TriangleMesh};
 
 /// A scene's triangles in world space, for structures to be built over.
 ///
@@ -24,8 +24,8 @@ struct Part {
     /// The unique number of the mesh's first triangle.
     unique: u32,
     mesh: u32,
-    placement: u32,
     nth: u32,
+    transform: Affine,
 }
 
 /// What a flat triangle is in the scene.
@@ -37,14 +37,13 @@ pub struct Located {
     pub triangle: u32,
     /// Number of the triangle among all unique triangles, in file order.
     pub primitive: u32,
-    /// Index in [`Scene::instances`].
-    pub placement: u32,
-    /// Which placement of its mesh this is, depth first; 0 for a mesh placed once.
+    /// Which placement of its mesh this is, in the order of the scene; 0 for a mesh placed once.
     pub instance: u32,
 }
 
 impl Scene {
-    /// Lays every placement out in world space. Takes 12 bytes per placed vertex and triangle.
+    /// Lays every placement out in world space, those in placed groups after all others. Takes 12 bytes per placed vertex and
+    /// triangle.
     ///
     /// # Errors
     /// [`MeshError`] when a placement moves a vertex beyond the floats, or when there are more triangles than can be
@@ -53,44 +52,86 @@ impl Scene {
     /// # Panics
     /// When an instance names a mesh that does not exist, which no loader does.
     pub fn flatten(&self) -> Result<FlatScene, MeshError> {
+        let count = self.triangle_count();
+        let vertices = self.count(|mesh| self.meshes[mesh as usize].positions.len() as u64);
+        let most = count.max(vertices).max(self.placement_count());
+        if most >= u64::from(u32::MAX) {
+            return Err(MeshError::TooMany {
+                triangles: usize::try_from(count).unwrap_or(usize::MAX),
+            });
+        }
+        let mut placed = self.instances.clone();
+        for group in &self.placed_groups {
+            self.unfold(group, &Affine::IDENTITY, &mut placed);
+        }
+        self.lay_out(&placed)
+    }
+
+    /// Adds what a placed group places.
+    fn unfold(&self, placed: &PlacedGroup, outer: &Affine, all: &mut Vec<Instance>) {
+        let group = &self.groups[placed.group as usize];
+        let here = placed.transform.then(outer);
+        all.extend(group.instances.iter().map(|instance| Instance {
+            transform: instance.transform.then(&here),
+            ..*instance
+        }));
+        for inner in &group.groups {
+            self.unfold(inner, &here, all);
+        }
+    }
+
+    /// The number of each mesh's first triangle among all unique triangles, in file order.
+    pub fn first_triangles(&self) -> Vec<u32> {
         let mut unique = 0_u32;
-        let firsts: Vec<u32> = self
-            .meshes
+        self.meshes
             .iter()
             .map(|mesh| {
                 let first = unique;
                 unique = unique.saturating_add(mesh.triangles.len() as u32);
                 first
             })
-            .collect();
-        let mut placed = vec![0_u32; self.meshes.len()];
-        let mut parts: Vec<Part> = (0..)
-            .zip(&self.instances)
-            .map(|(placement, instance)| {
-                let nth = placed[instance.mesh as usize];
-                placed[instance.mesh as usize] += 1;
+            .collect()
+    }
+
+    /// Lays some placements of its meshes out in world space: those of meshes that are placed once, for who keeps the others as
+    /// instances. Numbers are given as by [`Scene::flatten`].
+    ///
+    /// # Errors
+    /// As [`Scene::flatten`].
+    ///
+    /// # Panics
+    /// When an instance names a mesh that does not exist.
+    pub fn lay_out(&self, placed: &[Instance]) -> Result<FlatScene, MeshError> {
+        let firsts = self.first_triangles();
+        let mut times = vec![0_u32; self.meshes.len()];
+        let mut parts: Vec<Part> = placed
+            .iter()
+            .map(|instance| {
+                let times = &mut times[instance.mesh as usize];
+                *times += 1;
                 Part {
                     first: 0,
                     unique: firsts[instance.mesh as usize],
                     mesh: instance.mesh,
-                    placement,
-                    nth,
+                    nth: *times - 1,
+                    transform: instance.transform,
                 }
             })
             .collect();
-        parts.sort_unstable_by_key(|part| (part.nth, part.mesh));
+        // Stable, though no two are the same.
+        parts.sort_by_key(|part| (part.nth, part.mesh));
 
-        let count = self.triangle_count();
-        let too_many = MeshError::TooMany {
-            triangles: usize::try_from(count).unwrap_or(usize::MAX),
+        let meshes = || {
+            placed
+                .iter()
+                .map(|instance| &self.meshes[instance.mesh as usize])
         };
-        let vertices: u64 = self
-            .instances
-            .iter()
-            .map(|i| self.meshes[i.mesh as usize].positions.len() as u64)
-            .sum();
+        let count: u64 = meshes().map(|mesh| mesh.triangles.len() as u64).sum();
+        let vertices: u64 = meshes().map(|mesh| mesh.positions.len() as u64).sum();
         if count.max(vertices) >= u64::from(u32::MAX) {
-            return Err(too_many);
+            return Err(MeshError::TooMany {
+                triangles: usize::try_from(count).unwrap_or(usize::MAX),
+            });
         }
         // Few bytes of a file can place many triangles many times.
         let no_room = |_| MeshError::NoMemory {
@@ -106,7 +147,7 @@ impl Scene {
             .map_err(no_room)?;
         for part in &mut parts {
             let mesh = &self.meshes[part.mesh as usize];
-            let transform = self.instances[part.placement as usize].transform;
+            let transform = part.transform;
             let base = positions.len() as u32;
             part.first = triangles.len() as u32;
             if transform == boxwood::Affine::IDENTITY {
@@ -129,16 +170,6 @@ impl Scene {
             parts,
         })
     }
-
-    /// Around every placement's vertices; empty when there is none.
-    pub fn bounds(&self) -> Aabb {
-        self.instances.iter().fold(Aabb::EMPTY, |around, instance| {
-            let mesh = &self.meshes[instance.mesh as usize];
-            let used = mesh.triangles.iter().flatten();
-            let points = used.map(|&v| instance.transform.point(mesh.positions[v as usize]));
-            around.union(Aabb::of(points))
-        })
-    }
 }
 
 impl FlatScene {
@@ -147,16 +178,24 @@ impl FlatScene {
     /// # Panics
     /// When there is no such triangle.
     pub fn locate(&self, i: u32) -> Located {
+        self.locate_placed(i).0
+    }
+
+    /// The same, with the transform that its mesh was laid out by.
+    ///
+    /// # Panics
+    /// When there is no such triangle.
+    pub fn locate_placed(&self, i: u32) -> (Located, &Affine) {
         let after = self.parts.partition_point(|part| part.first <= i);
         let part = &self.parts[after - 1];
         let triangle = i - part.first;
-        Located {
+        let located = Located {
             mesh: part.mesh,
             triangle,
             primitive: part.unique + triangle,
-            placement: part.placement,
             instance: part.nth,
-        }
+        };
+        (located, &part.transform)
     }
 }
 
@@ -164,7 +203,7 @@ impl FlatScene {
 mod tests {
     use super::*;
     use crate::{Instance, Mesh};
-    use boxwood::{Affine, BoundingBoxes, Intersect, ObjectBoxes, Primitives};
+    use boxwood::{Aabb, BoundingBoxes, Intersect, ObjectBoxes, Primitives};
 
     fn mesh(triangles: u32) -> Mesh {
         Mesh {
@@ -203,25 +242,66 @@ mod tests {
         let found: Vec<_> = (0..9)
             .map(|i| {
                 let l = flat.locate(i);
-                (l.primitive, l.instance, l.mesh, l.triangle, l.placement)
+                (l.primitive, l.instance, l.mesh, l.triangle)
             })
             .collect();
         assert_eq!(
             found,
             [
-                (0, 0, 0, 0, 4),
-                (1, 0, 0, 1, 4),
-                (2, 0, 1, 0, 0),
-                (3, 0, 1, 1, 0),
-                (4, 0, 1, 2, 0),
-                (5, 0, 3, 0, 1),
-                (2, 1, 1, 0, 2),
-                (3, 1, 1, 1, 2),
-                (4, 1, 1, 2, 2),
+                (0, 0, 0, 0),
+                (1, 0, 0, 1),
+                (2, 0, 1, 0),
+                (3, 0, 1, 1),
+                (4, 0, 1, 2),
+                (5, 0, 3, 0),
+                (2, 1, 1, 0),
+                (3, 1, 1, 1),
+                (4, 1, 1, 2),
             ]
         );
         assert_eq!(flat.mesh.triangle(2)[0].z, 10.0);
         assert_eq!(flat.mesh.triangle(6)[0].z, 20.0);
+    }
+
+    #[test]
+    fn groups_are_unfolded() {
+        let mut scene = scene();
+        let place = |group, x| PlacedGroup {
+            group,
+            transform: Affine::translation([x, 0.0, 0.0]),
+        };
+        let instances = vec![Instance {
+            mesh: 3,
+            transform: Affine::translation([0.0, 7.0, 0.0]),
+        }];
+        scene.groups = vec![
+            crate::Group {
+                instances,
+                groups: Vec::new(),
+            },
+            crate::Group {
+                instances: Vec::new(),
+                groups: vec![place(0, 1.0), place(0, 2.0)],
+            },
+        ];
+        scene.placed_groups = vec![place(1, 10.0), place(0, 100.0)];
+        assert_eq!((scene.triangle_count(), scene.placement_count()), (12, 8));
+        let flat = scene.flatten().expect("a good scene");
+        let last: Vec<f32> = (9..12).map(|i| flat.mesh.triangle(i)[0].x).collect();
+        assert_eq!(last, [11.0, 12.0, 100.0]);
+        let numbers: Vec<u32> = (9..12).map(|i| flat.locate(i).instance).collect();
+        assert_eq!(numbers, [1, 2, 3]);
+        assert_eq!(scene.bounds().upper.x, 102.0);
+        // Doubled so often that no number holds it.
+        for i in 2..80 {
+            scene.groups.push(crate::Group {
+                instances: Vec::new(),
+                groups: vec![place(i - 1, 0.0); 2],
+            });
+        }
+        scene.placed_groups = vec![place(79, 0.0)];
+        assert_eq!(scene.placement_count(), u64::MAX);
+        assert!(scene.flatten().is_err());
     }
 
     #[test]

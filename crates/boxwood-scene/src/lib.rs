@@ -22,5 +22,7 @@ pub use flatten::{FlatScene, Located};
 pub use image::{Image, ImageData};
 pub use load::{Files, Folder, Format, NoFiles, Source};
 pub use material::{Alpha, Material, TextureMap, Wrap};
-pub use scene::{Camera, Environment, Instance, Light, LightKind, Mesh, Projection, Scene};
+pub use scene::{
+    Camera, Environment, Group, Instance, Light, LightKind, Mesh, PlacedGroup, Projection, Scene,
+};
 pub use srgb::srgb_to_linear;

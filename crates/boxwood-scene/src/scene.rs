@@ -2,7 +2,7 @@
 
 use crate::image::Image;
 use crate::material::Material;
-use boxwood::Affine;
+use boxwood::{Aabb, Affine};
 
 /// Everything a file said: geometry, where it stands, what it looks like, what lights it and who watches.
 ///
@@ -14,6 +14,10 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// Every placement of a mesh, depth first in the file's hierarchy.
     pub instances: Vec<Instance>,
+    /// What can be placed as a whole: trees of leaves, forests of such trees. A group places only groups before it.
+    pub groups: Vec<Group>,
+    /// Placements of groups.
+    pub placed_groups: Vec<PlacedGroup>,
     /// Materials; index 0 exists whenever there is a mesh.
     pub materials: Vec<Material>,
     /// Images that materials name.
@@ -35,6 +39,8 @@ impl Default for Scene {
         Self {
             meshes: Vec::new(),
             instances: Vec::new(),
+            groups: Vec::new(),
+            placed_groups: Vec::new(),
             materials: Vec::new(),
             images: Vec::new(),
             lights: Vec::new(),
@@ -78,6 +84,24 @@ pub struct Instance {
     /// Index of the mesh.
     pub mesh: u32,
     /// From the mesh's object space to world space.
+    pub transform: Affine,
+}
+
+/// Placed meshes and groups that can be placed as a whole, many times.
+#[derive(Clone, Debug, Default)]
+pub struct Group {
+    /// Placements of meshes in the group's space.
+    pub instances: Vec<Instance>,
+    /// Placements of groups that come before this one.
+    pub groups: Vec<PlacedGroup>,
+}
+
+/// One placement of a group.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlacedGroup {
+    /// Index of the group.
+    pub group: u32,
+    /// From the group's space to the space it is placed in.
     pub transform: Affine,
 }
 
@@ -189,14 +213,56 @@ pub struct Environment {
 impl Scene {
     /// How many triangles when every placement counts.
     pub fn triangle_count(&self) -> u64 {
-        self.instances
-            .iter()
-            .map(|i| self.meshes[i.mesh as usize].triangles.len() as u64)
-            .sum()
+        self.count(|mesh| self.meshes[mesh as usize].triangles.len() as u64)
     }
 
     /// How many triangles when each mesh counts once.
     pub fn unique_triangle_count(&self) -> u64 {
         self.meshes.iter().map(|m| m.triangles.len() as u64).sum()
+    }
+
+    /// How many placements of meshes there are, those in placed groups included.
+    pub fn placement_count(&self) -> u64 {
+        self.count(|_| 1)
+    }
+
+    /// The sum over all placements of what is counted in a mesh, given by its index; at most `u64::MAX`.
+    pub fn count(&self, in_mesh: impl Fn(u32) -> u64) -> u64 {
+        let direct = |instances: &[Instance]| {
+            let each = instances.iter().map(|placed| in_mesh(placed.mesh));
+            each.fold(0, u64::saturating_add)
+        };
+        let groups = |placed: &[PlacedGroup], counts: &[u64]| {
+            let each = placed.iter().map(|placed| counts[placed.group as usize]);
+            each.fold(0, u64::saturating_add)
+        };
+        let mut counts: Vec<u64> = Vec::with_capacity(self.groups.len());
+        for group in &self.groups {
+            counts.push(direct(&group.instances).saturating_add(groups(&group.groups, &counts)));
+        }
+        direct(&self.instances).saturating_add(groups(&self.placed_groups, &counts))
+    }
+
+    /// Around every placement's vertices; empty when there is none. Groups are placed by their boxes, so that it may be larger
+    /// than need be where there are any.
+    pub fn bounds(&self) -> Aabb {
+        let direct = |instances: &[Instance]| {
+            instances.iter().fold(Aabb::EMPTY, |around, instance| {
+                let mesh = &self.meshes[instance.mesh as usize];
+                let used = mesh.triangles.iter().flatten();
+                let points = used.map(|&v| instance.transform.point(mesh.positions[v as usize]));
+                around.union(Aabb::of(points))
+            })
+        };
+        let groups = |placed: &[PlacedGroup], boxes: &[Aabb]| {
+            placed.iter().fold(Aabb::EMPTY, |around, placed| {
+                around.union(placed.transform.bounds(&boxes[placed.group as usize]))
+            })
+        };
+        let mut boxes: Vec<Aabb> = Vec::with_capacity(self.groups.len());
+        for group in &self.groups {
+            boxes.push(direct(&group.instances).union(groups(&group.groups, &boxes)));
+        }
+        direct(&self.instances).union(groups(&self.placed_groups, &boxes))
     }
 }

@@ -44,11 +44,11 @@ pub fn check<P: Primitives + Send + Sync>(primitives: &P, rays: &[Ray], case: &s
                 "{}",
                 question("batch of occlusion")
             );
-            let primitives = || expected.all.iter().map(|Bits(bits)| bits[3]);
+            let met = || expected.all.iter().map(|Bits(bits)| (bits[4], bits[3]));
             assert!(
                 match occluders[i] {
-                    Some(occluder) => primitives().any(|primitive| primitive == occluder),
-                    None => primitives().next().is_none(),
+                    Some(occluder) => met().any(|met| met == occluder),
+                    None => met().next().is_none(),
                 },
                 "{}",
                 question("occluder")

@@ -11,6 +11,7 @@ pub mod adversary;
 pub mod agreement;
 pub mod bytes;
 pub mod oracle;
+pub mod placed;
 pub mod random;
 pub mod rays;
 pub mod scenes;

@@ -24,6 +24,10 @@ impl Targets {
             [b.lower, b.upper, b.centroid()]
         }))
     }
+    /// Triangles, wherever they come from.
+    pub fn of_triangles(corners: impl IntoIterator<Item = [Vec3; 3]>) -> Self {
+        Self::new(corners.into_iter())
+    }
     fn new(corners: impl Iterator<Item = [Vec3; 3]>) -> Self {
         let corners: Vec<_> = corners.collect();
         let bounds = Aabb::of(corners.iter().flatten().copied());

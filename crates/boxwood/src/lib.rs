@@ -57,12 +57,13 @@ pub use geometry::shape::{Shape, ShapeError, ShapeFlaw};
 pub use geometry::{Aabb, Affine, Hit, Interval, PreparedRay, Ray, Surface, Vec3};
 pub use geometry::{Cuboid, Cylinder, Disc, Line, OrientedCuboid, Plane, Prism, Sphere, Torus};
 pub use primitive::{
-    Chain, Cuboids, Cylinders, Discs, ImplicitSurfaces, MeshError, MollerTrumbore, OrientedCuboids,
-    Planes, Primitives, Shapes, Spheres, Surfaces, Tori, TriangleMesh, Triangles,
+    Chain, Cuboids, Cylinders, Discs, ImplicitSurfaces, Instance, InstanceError, Instances,
+    MeshError, MollerTrumbore, Object, OrientedCuboids, Planes, Primitives, Shapes, Spheres,
+    Surfaces, Tori, TriangleMesh, Triangles,
 };
 pub use proximity::Proximity;
 pub use query::{
-    AllHits, Closest, Counters, Filter, FirstHits, Intersect, Occluded, Query, Seen, Step,
+    AllHits, Closest, Counters, Filter, FirstHits, Intersect, Occluded, Query, Relay, Seen, Step,
     TraversalStats, Traverse, Verdict,
 };
 #[doc(hidden)]

@@ -1,8 +1,9 @@
 //! What the rays are asked, and the answers as arrays.
 
 use crate::npz::Archive;
-use boxwood::{Hit, Intersect, Ray, Surfaces};
-use boxwood_scene::FlatScene;
+use boxwood::{Hit, Intersect, Ray};
+use boxwood_render::Layout;
+use boxwood_scene::Located;
 use rayon::prelude::*;
 use std::io;
 
@@ -62,12 +63,12 @@ impl Answers {
     }
 
     /// The answers as a NumPy archive.
-    pub fn archive(&self, flat: &FlatScene, rays: &[Ray], normals: bool) -> io::Result<Vec<u8>> {
+    pub fn archive(&self, layout: &Layout, rays: &[Ray], normals: bool) -> io::Result<Vec<u8>> {
         let mut archive = Archive::new();
         match self {
             Self::Closest(hits) => {
                 let hits: Vec<_> = rays.iter().zip(hits.iter().copied()).collect();
-                add_hits(&mut archive, flat, &hits, normals)?;
+                add_hits(&mut archive, layout, &hits, normals)?;
             }
             Self::Any(occluded) => archive.add("occluded", occluded.iter().copied())?,
             Self::All(lists) => {
@@ -82,7 +83,7 @@ impl Answers {
                     .zip(lists)
                     .flat_map(|(ray, hits)| hits.iter().map(move |&hit| (ray, Some(hit))))
                     .collect();
-                add_hits(&mut archive, flat, &hits, normals)?;
+                add_hits(&mut archive, layout, &hits, normals)?;
             }
         }
         archive.finish()
@@ -92,7 +93,7 @@ impl Answers {
 /// Adds one row for each hit or miss.
 fn add_hits(
     archive: &mut Archive,
-    flat: &FlatScene,
+    layout: &Layout,
     hits: &[(&Ray, Option<Hit>)],
     normals: bool,
 ) -> io::Result<()> {
@@ -100,14 +101,16 @@ fn add_hits(
     archive.add("t", each().map(|hit| hit.map_or(f32::INFINITY, |h| h.t)))?;
     archive.add("u", each().map(|hit| hit.map_or(0.0, |h| h.u)))?;
     archive.add("v", each().map(|hit| hit.map_or(0.0, |h| h.v)))?;
-    add_located(archive, flat, each().map(|hit| hit.map(|h| h.primitive)))?;
+    let located: Vec<_> = hits
+        .par_iter()
+        .map(|(_, hit)| hit.map(|h| layout.locate(&h)))
+        .collect();
+    add_located(archive, &located)?;
     if normals {
         let normals: Vec<[f32; 3]> = hits
             .par_iter()
             .map(|(ray, hit)| {
-                hit.map_or([0.0; 3], |hit| {
-                    flat.mesh.surface(ray, &hit).normal.to_array()
-                })
+                hit.map_or([0.0; 3], |hit| layout.surface(ray, &hit).normal.to_array())
             })
             .collect();
         archive.add_vectors("normal", normals)?;
@@ -116,16 +119,7 @@ fn add_hits(
 }
 
 /// Adds the numbers of some of the scene's triangles, as the files have them.
-pub fn add_located(
-    archive: &mut Archive,
-    flat: &FlatScene,
-    triangles: impl Iterator<Item = Option<u32>>,
-) -> io::Result<()> {
-    let triangles: Vec<_> = triangles.collect();
-    let located: Vec<_> = triangles
-        .into_par_iter()
-        .map(|triangle| triangle.map(|i| flat.locate(i)))
-        .collect();
+pub fn add_located(archive: &mut Archive, located: &[Option<Located>]) -> io::Result<()> {
     let located = || located.iter();
     archive.add(
         "primitive",

@@ -4,15 +4,14 @@ mod answers;
 mod rays;
 
 use crate::args::CastArgs;
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
 use crate::output::Destination;
 use crate::progress::Progress;
 use crate::scene_file;
 use crate::terminal::{self, Channel, counted, seconds};
 use answers::Question;
 pub use answers::add_located;
-use boxwood::Limits;
-use boxwood_render::build_structure;
+use boxwood_render::Layout;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -41,13 +40,12 @@ pub fn run(args: &CastArgs) -> Outcome {
     args.tracing.threads.in_pool(|threads| {
         let file = scene_file::open(&args.scene)?;
         terminal::warnings(&file.name, &file.scene.warnings);
-        let flat = file.flatten()?;
-
         let kind = args.tracing.accel;
         let start = Instant::now();
-        let structure = {
+        let layout = {
             let _progress = Progress::spinner(format!("Building {kind}"));
-            build_structure(kind, &flat.mesh, &Limits::NONE)?
+            Layout::new(&file.scene, kind, args.flatten)
+                .map_err(|error| Failure::new(format!("{}: {error}", file.name)))?
         };
         let build_seconds = start.elapsed().as_secs_f64();
 
@@ -64,7 +62,7 @@ pub fn run(args: &CastArgs) -> Outcome {
             for done in 0..repeats {
                 progress.at(done, repeats);
                 let start = Instant::now();
-                answers.ask(&*structure, &rays);
+                answers.ask(layout.structure(), &rays);
                 times.push(start.elapsed().as_secs_f64());
             }
         }
@@ -82,11 +80,11 @@ pub fn run(args: &CastArgs) -> Outcome {
             },
             structure: kind.to_string(),
             threads,
-            bytes: structure.statistics().bytes as u64,
+            bytes: layout.bytes() as u64,
         };
         if let Some(output) = &output {
             let _progress = Progress::spinner("Writing");
-            output.write(&answers.archive(&flat, &rays, args.normals)?)?;
+            output.write(&answers.archive(&layout, &rays, args.normals)?)?;
         }
         if args.json {
             channel.say(serde_json::to_string_pretty(&report)?)

@@ -9,8 +9,8 @@ use super::fresnel;
 use super::material::attenuate;
 use super::shadow::Shadow;
 use crate::colour::WHITE;
-use crate::world::World;
-use boxwood::{Hit, Ray, Surfaces, Vec3};
+use crate::world::{Triangle, World};
+use boxwood::{Hit, Ray, Vec3};
 
 /// More layers than this are dark.
 const MOST_LAYERS: usize = 16;
@@ -21,7 +21,7 @@ impl World {
     /// The nearest surface that is there, for many rays.
     pub fn closest_each(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
         let mut hits = vec![None; rays.len()];
-        self.structure.closest_hits(rays, &mut hits);
+        self.layout.structure().closest_hits(rays, &mut hits);
         for (ray, hit) in rays.iter().zip(&mut hits) {
             *hit = self.closest(ray, *hit);
         }
@@ -31,11 +31,12 @@ impl World {
     /// The nearest surface that is there, of a ray whose nearest hit is known.
     pub fn closest(&self, ray: &Ray, nearest: Option<Hit>) -> Option<Hit> {
         let is_there =
-            |hit: &Hit| !self.open.has_holes(hit.primitive) || self.coverage(hit) > LEAST_COVERAGE;
+            |hit: &Hit| !self.has_holes(triangle(hit)) || self.coverage(hit) > LEAST_COVERAGE;
         if nearest.as_ref().is_none_or(is_there) {
             return nearest;
         }
-        self.structure
+        self.layout
+            .structure()
             .closest_hit_where(ray, &mut |hit| is_there(hit))
     }
 
@@ -43,7 +44,7 @@ impl World {
     pub fn darken(&self, shadows: &mut [Shadow]) {
         let rays: Vec<Ray> = shadows.iter().filter_map(|shadow| shadow.ray).collect();
         let mut found = vec![None; rays.len()];
-        self.structure.occluders(&rays, &mut found);
+        self.layout.structure().occluders(&rays, &mut found);
         let shadows = shadows.iter_mut().filter(|shadow| shadow.ray.is_some());
         for ((shadow, ray), found) in shadows.zip(&rays).zip(found) {
             let left = match found {
@@ -56,15 +57,15 @@ impl World {
     }
 
     /// Whether no light passes a triangle.
-    fn stops(&self, triangle: u32, lamp: Option<u32>) -> bool {
-        Some(triangle) != lamp && !self.open.lets_through(triangle)
+    fn stops(&self, triangle: Triangle, lamp: Option<Triangle>) -> bool {
+        Some(triangle) != lamp && !self.lets_through(triangle)
     }
 
     /// The share of light that arrives along a shadow ray. A triangle may be left out: the lamp itself.
-    fn light_through(&self, ray: &Ray, lamp: Option<u32>) -> Vec3 {
+    fn light_through(&self, ray: &Ray, lamp: Option<Triangle>) -> Vec3 {
         let mut layers = Layers::none();
-        let dark = self.structure.occluded_where(ray, &mut |hit| {
-            self.stops(hit.primitive, lamp) || (Some(hit.primitive) != lamp && !layers.add(hit))
+        let dark = self.layout.structure().occluded_where(ray, &mut |hit| {
+            self.stops(triangle(hit), lamp) || (Some(triangle(hit)) != lamp && !layers.add(hit))
         });
         if dark {
             Vec3::ZERO
@@ -78,7 +79,7 @@ impl World {
         // Way inside, per body: entering counts back from zero, leaving forward.
         let mut optical_depth = Vec3::ZERO;
         for hit in layers {
-            let coverage = if self.open.has_holes(hit.primitive) {
+            let coverage = if self.has_holes(triangle(hit)) {
                 self.coverage(hit)
             } else {
                 1.0
@@ -86,7 +87,7 @@ impl World {
             if coverage <= LEAST_COVERAGE {
                 continue;
             }
-            let material = self.material_of(hit.primitive);
+            let material = self.material_of(triangle(hit));
             let mut solid = Vec3::ZERO;
             if material.transmits() {
                 let point = self.point(ray, hit, 0.0);
@@ -109,7 +110,7 @@ impl World {
     /// The geometric surface at a point of a triangle.
     pub fn surface_of(
         &self,
-        primitive: u32,
+        (instance, primitive): Triangle,
         [u, v]: [f32; 2],
         seen_along: Vec3,
     ) -> boxwood::Surface {
@@ -119,10 +120,14 @@ impl World {
             u,
             v,
             primitive,
-            instance: 0,
+            instance,
         };
-        self.mesh.surface(&ray, &hit)
+        self.layout.surface(&ray, &hit)
     }
+}
+
+fn triangle(hit: &Hit) -> Triangle {
+    (hit.instance, hit.primitive)
 }
 
 /// The layers that a shadow ray crosses. Which they are does not depend on the order in which a structure finds them.
@@ -150,7 +155,7 @@ impl Layers {
     fn add(&mut self, hit: &Hit) -> bool {
         if self.hits[..self.count]
             .iter()
-            .any(|other| other.primitive == hit.primitive)
+            .any(|other| triangle(other) == triangle(hit))
         {
             return true;
         }
@@ -200,15 +205,15 @@ mod tests {
                 };
                 let world = World::new(&scene, &setup, &mut Vec::new()).expect("a good scene");
                 let alone = |ray: &Ray| {
-                    world.structure.closest_hit_where(ray, &mut |hit| {
-                        !world.open.has_holes(hit.primitive) || world.coverage(hit) > LEAST_COVERAGE
+                    world.layout.structure().closest_hit_where(ray, &mut |hit| {
+                        !world.has_holes(triangle(hit)) || world.coverage(hit) > LEAST_COVERAGE
                     })
                 };
                 let hits: Vec<_> = rays.iter().map(alone).collect();
                 assert!(world.closest_each(&rays) == hits, "{structure}");
 
                 // The last triangles are those that glow, where any do.
-                let lamp = world.mesh.triangles().len() as u32 - 1;
+                let lamp = (0, world.layout.laid_out_triangles() - 1);
                 for lamp in [None, Some(lamp)] {
                     let shadow = |(i, &ray): (usize, &Ray)| Shadow {
                         ray: (i % 7 != 0).then_some(ray),

@@ -2,12 +2,12 @@
 //!
 //! *How it works.* A triangle is chosen by its power (area times mean emission), a point on it by area; what comes from
 //! there is divided by the chance of the choice. Few large emitters give soft shadows at little cost, many small ones
-//! grain. *Cost.* 12 bytes a triangle; a binary search an aim.
+//! grain. *Cost.* 16 bytes a triangle; a binary search an aim.
 
 use super::light::{Aim, solid_angle, towards};
 use crate::colour::luminance;
-use crate::world::World;
-use boxwood::Vec3;
+use crate::world::{Triangle, World};
+use boxwood::{Hit, Vec3};
 
 /// With more glowing triangles than this, a scene's glow is seen but does not light: the choice by power alone would be
 /// too noisy to be worth its rays.
@@ -16,7 +16,7 @@ const MOST_EMITTERS: usize = 50_000;
 /// The triangles of glowing materials.
 #[derive(Default)]
 pub(crate) struct Emitters {
-    triangles: Vec<u32>,
+    triangles: Vec<Triangle>,
     /// Sums of power up to and with each triangle, the last one 1.
     shares: Vec<f32>,
     /// Areas.
@@ -46,9 +46,21 @@ impl Emitters {
         }
         let mut sum = 0.0_f64;
         let mut sums = Vec::new();
-        for i in 0..world.mesh.triangles().len() as u32 {
-            let mesh = &world.meshes[world.flat.locate(i).mesh as usize];
-            let [a, b, c] = world.mesh.triangle(i as usize);
+        let layout = &world.layout;
+        let shines = |mesh: u32| brightness[world.meshes[mesh as usize].material] > 0.0;
+        let laid_out = (0..layout.laid_out_triangles()).map(|i| (0, i));
+        let some_shine = (0..world.meshes.len() as u32).any(shines);
+        let instanced = layout
+            .instanced()
+            .take_while(|_| some_shine)
+            .filter(|&(_, mesh)| shines(mesh))
+            .flat_map(|(instance, mesh)| {
+                let count = world.meshes[mesh as usize].triangles.len() as u32;
+                (0..count).map(move |i| (instance, i))
+            });
+        for triangle in laid_out.chain(instanced) {
+            let mesh = &world.meshes[layout.mesh_of(triangle) as usize];
+            let [a, b, c] = corners(world, triangle);
             let area = 0.5 * (b - a).cross(c - a).length();
             let power = f64::from(area) * f64::from(brightness[mesh.material]);
             if !(power > 0.0 && power.is_finite()) {
@@ -59,7 +71,7 @@ impl Emitters {
             }
             sum += power;
             sums.push(sum);
-            found.triangles.push(i);
+            found.triangles.push(triangle);
             found.areas.push(area);
         }
         found.shares = sums.into_iter().map(|s| (s / sum) as f32).collect();
@@ -85,19 +97,30 @@ impl Emitters {
         // The rest of the first number serves again, inside the triangle.
         let root = ((u - before) / share).clamp(0.0, 1.0).sqrt();
         let weights = [root * (1.0 - v), root * v];
-        let primitive = self.triangles[i];
-        let [a, b, c] = world.mesh.triangle(primitive as usize);
+        let triangle = self.triangles[i];
+        let [a, b, c] = corners(world, triangle);
         let place = a * (1.0 - weights[0] - weights[1]) + b * weights[0] + c * weights[1];
         let (direction, distance) = towards(from, place)?;
-        let surface = world.surface_of(primitive, weights, direction);
+        let surface = world.surface_of(triangle, weights, direction);
         let cos = surface.normal.dot(direction).abs();
         let light =
-            world.glow(primitive, weights) * (solid_angle(self.areas[i], cos, distance) / share);
+            world.glow(triangle, weights) * (solid_angle(self.areas[i], cos, distance) / share);
         Some(Aim {
             direction,
             end: Some(surface.offset_origin(-direction)),
             light,
-            triangle: Some(primitive),
+            triangle: Some(triangle),
         })
     }
+}
+
+/// In the world.
+fn corners(world: &World, (instance, primitive): Triangle) -> [Vec3; 3] {
+    world.layout.corners(&Hit {
+        t: 0.0,
+        u: 0.0,
+        v: 0.0,
+        primitive,
+        instance,
+    })
 }

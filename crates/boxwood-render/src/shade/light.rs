@@ -20,7 +20,7 @@ pub(crate) struct Aim {
     /// What the surface gets per cosine of its own: radiance by solid angle, or irradiance.
     pub light: Vec3,
     /// The triangle that shines.
-    pub triangle: Option<u32>,
+    pub triangle: Option<crate::world::Triangle>,
 }
 
 /// A lamp that can be aimed at.

@@ -6,8 +6,8 @@
 
 use super::fresnel;
 use super::material::{Bound, Prepared};
-use crate::world::{Attributes, Placement, World};
-use boxwood::{Hit, Ray, Surface, Surfaces, Vec3};
+use crate::world::{Attributes, Placement, Triangle, World};
+use boxwood::{Hit, Ray, Surface, Vec3};
 use boxwood_scene::Alpha;
 
 /// A point on a surface, seen along a ray.
@@ -91,21 +91,20 @@ impl Corners<'_> {
 }
 
 impl World {
-    fn corners(&self, hit: &Hit) -> (Corners<'_>, &Placement) {
-        let located = self.flat.locate(hit.primitive);
+    fn corners(&self, hit: &Hit) -> Corners<'_> {
+        let located = self.layout.locate(hit);
         let mesh = &self.meshes[located.mesh as usize];
-        let corners = Corners {
+        Corners {
             vertices: mesh.triangles[located.triangle as usize].map(|v| v as usize),
             triangle: located.triangle as usize,
             weights: [1.0 - hit.u - hit.v, hit.u, hit.v],
             mesh,
-        };
-        (corners, &self.placements[located.placement as usize])
+        }
     }
 
     /// Coverage at a hit by the finest texture level, 0 where a mask cuts the surface away.
     pub fn coverage(&self, hit: &Hit) -> f32 {
-        let (corners, _) = self.corners(hit);
+        let corners = self.corners(hit);
         let material = &self.materials[corners.mesh.material];
         self.alpha(material, &corners, |_| 0.0)
     }
@@ -137,15 +136,15 @@ impl World {
 
     /// The point at a hit. `width` is the footprint of the ray there, across the ray, in world units.
     pub fn point(&self, ray: &Ray, hit: &Hit, width: f32) -> Point<'_> {
-        let surface = self.mesh.surface(ray, hit);
-        let (corners, placement) = self.corners(hit);
+        let surface = self.layout.surface(ray, hit);
+        let (corners, placement) = (self.corners(hit), self.placement(hit));
         let material = &self.materials[corners.mesh.material];
         let to_eye = -ray.direction;
         let facing = surface.facing();
 
         let mut texture_width = [0.0; 2];
         if material.has_maps() {
-            let [a, b, c] = self.mesh.triangle(hit.primitive as usize);
+            let [a, b, c] = self.layout.corners(hit);
             let area = (b - a).cross(c - a).length();
             // Stretched by the slant of the surface, but not without end: what is far too long is blurred across as well.
             let along = width / to_eye.dot(facing).max(0.3);
@@ -189,7 +188,7 @@ impl World {
             let [r, g, b, _] = read(map);
             emission = emission * Vec3::new(r, g, b);
         }
-        let alpha = if self.open.has_holes(hit.primitive) {
+        let alpha = if self.has_holes((hit.instance, hit.primitive)) {
             self.alpha(material, &corners, |set| texture_width[set])
         } else {
             1.0
@@ -202,10 +201,10 @@ impl World {
         };
 
         let normal =
-            self.shading_normal(&corners, placement, material, hit, facing, &texture_width);
+            self.shading_normal(&corners, &placement, material, hit, facing, &texture_width);
         Point {
             normal: towards(normal, facing, to_eye),
-            front: surface.front != placement.mirrors,
+            front: surface.front != placement.turns_over,
             surface,
             material,
             to_eye,
@@ -220,13 +219,13 @@ impl World {
     }
 
     /// The emission at a point of a triangle.
-    pub fn glow(&self, primitive: u32, [u, v]: [f32; 2]) -> Vec3 {
-        let (corners, _) = self.corners(&Hit {
+    pub fn glow(&self, (instance, primitive): Triangle, [u, v]: [f32; 2]) -> Vec3 {
+        let corners = self.corners(&Hit {
             t: 0.0,
             u,
             v,
             primitive,
-            instance: 0,
+            instance,
         });
         let material = &self.materials[corners.mesh.material];
         let emission = Vec3::from(material.plain.emissive);
@@ -307,7 +306,7 @@ impl World {
         }
         let [e, f] = corners.uv_edges(uv_set);
         let determinant = e[0] * f[1] - e[1] * f[0];
-        let [p, q, r] = self.mesh.triangle(hit.primitive as usize);
+        let [p, q, r] = self.layout.corners(hit);
         let sign = if determinant < 0.0 { -1.0 } else { 1.0 };
         let along_u = ((q - p) * f[1] - (r - p) * e[1]) * sign;
         let tangent = (along_u - normal * along_u.dot(normal)).normalized();

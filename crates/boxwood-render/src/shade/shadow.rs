@@ -15,6 +15,7 @@ use super::light::{Aim, Lamp};
 use super::point::Point;
 use super::whitted::{Branch, Place, Tracer, WAVE};
 use crate::colour::WHITE;
+use crate::world::Triangle;
 use boxwood::{Ray, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
@@ -28,7 +29,7 @@ pub(crate) struct Shadow {
     /// What must be free; `None` where nothing can stand in the way.
     pub ray: Option<Ray>,
     /// The triangle that shines. It casts no shadow.
-    pub lamp: Option<u32>,
+    pub lamp: Option<Triangle>,
     /// What it brings: in the open at first, then what arrives.
     pub light: Vec3,
 }

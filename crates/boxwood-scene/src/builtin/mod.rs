@@ -23,6 +23,7 @@ mod random;
 mod seats;
 mod solids;
 mod soup;
+mod sponge;
 mod stadium;
 mod stage;
 mod still_life;

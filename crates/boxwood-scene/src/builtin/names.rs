@@ -1,6 +1,6 @@
 //! Built-in scenes by name: `NAME[:N][,seed=S]`, read in one place.
 
-use super::{city, crowd, plants, soup, teapot_in_stadium, terrain};
+use super::{city, crowd, plants, soup, sponge, teapot_in_stadium, terrain};
 use crate::scene::Scene;
 use std::ops::RangeInclusive;
 
@@ -28,8 +28,8 @@ const fn size(what: &'static str, default: u32, range: RangeInclusive<u32>) -> O
     })
 }
 
-/// All of them. Ranges end where a scene would take several gigabytes.
-const BUILTINS: [Builtin; 8] = [
+/// All of them. Ranges end where a scene would take several gigabytes (plants and sponges as instances).
+const BUILTINS: [Builtin; 9] = [
     Builtin {
         name: "teapot-in-stadium",
         size: None,
@@ -52,7 +52,7 @@ const BUILTINS: [Builtin; 8] = [
     },
     Builtin {
         name: "plants",
-        size: size("plants", 3000, 1..=100_000),
+        size: size("plants", 3000, 1..=2_000_000),
         make: plants::plants,
     },
     Builtin {
@@ -69,6 +69,11 @@ const BUILTINS: [Builtin; 8] = [
         name: "soup",
         size: size("triangles", 10_000, 1..=20_000_000),
         make: soup::soup,
+    },
+    Builtin {
+        name: "sponge",
+        size: size("levels", 6, 1..=9),
+        make: sponge::sponge,
     },
 ];
 
@@ -252,7 +257,7 @@ mod tests {
         assert_eq!(
             error("teapot"),
             "no built-in scene is called `teapot`; there are teapot-in-stadium, even-spheres:N, \
-             long-thin:N, overlapping:N, plants:N, city:N, terrain:N, soup:N"
+             long-thin:N, overlapping:N, plants:N, city:N, terrain:N, soup:N, sponge:N"
         );
         assert_eq!(
             error("city:0"),

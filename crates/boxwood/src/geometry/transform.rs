@@ -80,6 +80,33 @@ impl Affine {
     pub fn mirrors(&self) -> bool {
         self.determinant() < 0.0
     }
+    /// The map back, each of its numbers rounded once; `None` where space is flattened so much that there is none, or where a
+    /// number is beyond the floats.
+    pub fn inverse(&self) -> Option<Self> {
+        let linear = self.inverse_linear()?;
+        let row = |r: [f64; 3]| {
+            let by: f64 = (0..3).map(|k| r[k] * f64::from(self.rows[k][3])).sum();
+            [r[0] as f32, r[1] as f32, r[2] as f32, -by as f32]
+        };
+        let rows = linear.map(row);
+        let finite = rows.iter().flatten().all(|x| x.is_finite());
+        finite.then_some(Self { rows })
+    }
+    /// The inverse of `M` in double precision, by cofactors: products of two floats are exact there.
+    pub(crate) fn inverse_linear(&self) -> Option<[[f64; 3]; 3]> {
+        let m = |row: usize, column: usize| f64::from(self.rows[row % 3][column % 3]);
+        // Of the transposed place: indices that run on in a circle bring the signs with them.
+        let cofactor = |row: usize, column: usize| {
+            m(column + 1, row + 1) * m(column + 2, row + 2)
+                - m(column + 1, row + 2) * m(column + 2, row + 1)
+        };
+        let determinant: f64 = (0..3).map(|k| m(0, k) * cofactor(k, 0)).sum();
+        let inverse: [[f64; 3]; 3] = core::array::from_fn(|row| {
+            core::array::from_fn(|column| cofactor(row, column) / determinant)
+        });
+        let finite = inverse.iter().flatten().all(|x| x.is_finite());
+        (determinant != 0.0 && finite).then_some(inverse)
+    }
     /// The box of the image of a box (Arvo 1990).
     pub fn bounds(&self, of: &Aabb) -> Aabb {
         if of.is_empty() {
@@ -134,6 +161,20 @@ mod tests {
         assert_eq!(map().point([0.0, 1.0, 0.0]), Vec3::new(-1.0, 2.0, 3.0));
         assert_eq!(map().vector([0.0, 1.0, 0.0]), Vec3::new(-2.0, 0.0, 0.0));
         assert_eq!(map().determinant(), 2.0);
+    }
+
+    #[test]
+    fn the_way_back() {
+        let there_and_back = map().then(&map().inverse().expect("not flat"));
+        assert_eq!(there_and_back, Affine::IDENTITY);
+        assert_eq!(Affine::scale([1.0, 0.0, 1.0]).inverse(), None);
+        assert_eq!(Affine::scale([1.0, f32::NAN, 1.0]).inverse(), None);
+        assert_eq!(Affine::scale([1.0, 1.0e-39, 1.0]).inverse(), None);
+        let small = Affine::scale([1.0e-30, 1.0e30, 1.0]);
+        assert_eq!(
+            small.inverse(),
+            Some(Affine::scale([1.0 / 1.0e-30_f32, 1.0 / 1.0e30_f32, 1.0]))
+        );
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! Numbered sets of things a ray may meet.
 
 mod chain;
+mod instances;
 mod mesh;
 mod shapes;
 
 pub use chain::Chain;
+pub use instances::{Instance, InstanceError, Instances, Object};
 pub use mesh::{MeshError, MollerTrumbore, TriangleMesh};
 pub use shapes::{
     Cuboids, Cylinders, Discs, ImplicitSurfaces, OrientedCuboids, Planes, Shapes, Spheres, Tori,
@@ -17,7 +19,7 @@ use core::ops::ControlFlow::{self, Continue};
 
 /// A numbered set of things a ray may meet: what every structure is built over.
 ///
-/// Implemented for meshes, the analytic shapes of this module, and `&P` and `Arc<P>` of any of them; users write their
+/// Implemented for meshes, the analytic shapes of this module, placed objects ([`Instances`]), and `&P` and `Arc<P>` of any of them; users write their
 /// own by saying how many there are, where each lies and how a ray meets it.
 pub trait Primitives {
     /// How many.

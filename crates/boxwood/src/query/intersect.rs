@@ -50,6 +50,8 @@ pub trait Intersect: Send + Sync {
     /// Shows hits to `visit` in no particular order, perhaps some of them twice, until it breaks; its value, when it is `Continue`, is the new end of
     /// the interval.
     fn visit(&self, ray: &Ray, visit: &mut dyn FnMut(Hit) -> ControlFlow<(), f32>);
+    /// [`Intersect::visit`] with all that a query and its counters say: how a structure within another one is asked.
+    fn relay(&self, ray: &Ray, asked: Relay<'_>);
     /// [`Intersect::closest_hit`] for many rays.
     ///
     /// # Panics
@@ -60,12 +62,12 @@ pub trait Intersect: Send + Sync {
     /// # Panics
     /// When the slices differ in length.
     fn occluded_each(&self, rays: &[Ray], occluded: &mut [bool]);
-    /// [`Intersect::occluded_each`], with one primitive in each ray's interval. Which one depends on the structure: for callers that ask again
-    /// where it is one that light passes.
+    /// [`Intersect::occluded_each`], with the (instance, primitive) of one that is in each ray's interval. Which one depends on the
+    /// structure: for callers that ask again where it is one that light passes.
     ///
     /// # Panics
     /// When the slices differ in length.
-    fn occluders(&self, rays: &[Ray], occluders: &mut [Option<u32>]);
+    fn occluders(&self, rays: &[Ray], occluders: &mut [Option<(u32, u32)>]);
 
     /// The nearest hit that `keep` accepts: cut-outs, back-face culling. `keep` may be asked about any hit in the
     /// interval, in any order, so it must not depend on what it was asked before.
@@ -96,6 +98,20 @@ pub trait Intersect: Send + Sync {
         });
         found
     }
+}
+
+/// A query and its counters in a form that passes through [`Intersect`].
+pub struct Relay<'a> {
+    /// As [`Query::ORDERED`].
+    pub ordered: bool,
+    /// As [`Query::mask`].
+    pub mask: u32,
+    /// As [`Query::time`].
+    pub time: f32,
+    /// Where steps are added up, when anybody counts them.
+    pub stats: Option<&'a mut TraversalStats>,
+    /// As in [`Intersect::visit`].
+    pub visit: &'a mut dyn FnMut(Hit) -> ControlFlow<(), f32>,
 }
 
 /// Rays per chunk of a batch: enough to keep many in flight nearly all of the time, few enough for the second-level cache.
@@ -163,6 +179,15 @@ impl<T: Traverse + Send + Sync> Intersect for T {
             self.traverse(ray, &mut query, &mut ());
         });
     }
+    fn relay(&self, ray: &Ray, asked: Relay<'_>) {
+        exactly(|| {
+            if asked.ordered {
+                relay::<true>(self, ray, asked);
+            } else {
+                relay::<false>(self, ray, asked);
+            }
+        });
+    }
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len(), "one hit per ray");
         each_chunk(CHUNK, rays, hits, |rays, hits| {
@@ -175,7 +200,7 @@ impl<T: Traverse + Send + Sync> Intersect for T {
             ask_each(self, rays, occluded, Occluded::new, Occluded::found);
         });
     }
-    fn occluders(&self, rays: &[Ray], occluders: &mut [Option<u32>]) {
+    fn occluders(&self, rays: &[Ray], occluders: &mut [Option<(u32, u32)>]) {
         assert_eq!(rays.len(), occluders.len(), "one answer per ray");
         each_chunk(CHUNK, rays, occluders, |rays, occluders| {
             ask_each(self, rays, occluders, Occluded::new, Occluded::occluder);
@@ -212,6 +237,19 @@ fn show<const ORDERED: bool, Q: Query>(
     };
     structure.traverse(ray, &mut visit, counters);
     query
+}
+
+fn relay<const ORDERED: bool>(structure: &impl Traverse, ray: &Ray, asked: Relay<'_>) {
+    let mut visit = Visit::<ORDERED> {
+        t_max: ray.end(),
+        mask: asked.mask,
+        time: asked.time,
+        visit: asked.visit,
+    };
+    match asked.stats {
+        None => structure.traverse(ray, &mut visit, &mut ()),
+        Some(stats) => structure.traverse(ray, &mut visit, stats),
+    }
 }
 
 /// At most [`CHUNK`] rays through [`Traverse::traverse_each`].

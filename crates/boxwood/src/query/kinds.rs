@@ -67,7 +67,7 @@ impl Query for Closest {
 #[derive(Clone, Copy, Debug)]
 pub struct Occluded {
     t_max: f32,
-    found: Option<u32>,
+    found: Option<(u32, u32)>,
 }
 
 impl Occluded {
@@ -84,9 +84,9 @@ impl Occluded {
     pub fn found(&self) -> bool {
         self.found.is_some()
     }
-    /// The primitive that was found. Which of those in the interval it is depends on the structure.
+    /// The (instance, primitive) that was found. Which of those in the interval it is depends on the structure.
     #[inline]
-    pub fn occluder(&self) -> Option<u32> {
+    pub fn occluder(&self) -> Option<(u32, u32)> {
         self.found
     }
 }
@@ -100,7 +100,7 @@ impl Query for Occluded {
     }
     #[inline(always)]
     fn offer(&mut self, hit: Hit) -> ControlFlow<()> {
-        self.found = Some(hit.primitive);
+        self.found = Some((hit.instance, hit.primitive));
         Break(())
     }
 }

@@ -11,7 +11,7 @@ mod kinds;
 
 pub(crate) use batch::each_chunk;
 pub use counters::{Counters, Step, TraversalStats, Verdict};
-pub use intersect::Intersect;
+pub use intersect::{Intersect, Relay};
 pub use kinds::{AllHits, Closest, Filter, FirstHits, Occluded, Seen};
 
 use crate::geometry::{Aabb, Hit, Ray};

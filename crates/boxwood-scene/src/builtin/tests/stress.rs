@@ -192,3 +192,23 @@ fn ten_million_triangles() {
     let flat = scene.flatten().expect("there is room");
     assert_eq!(flat.mesh.triangles().len() as u64, count);
 }
+
+#[test]
+fn a_sponge_has_twenty_times_as_many_cubes_on_each_level() {
+    for level in 1..=9 {
+        let scene = made(&format!("sponge:{level}"));
+        let cubes = 20_u64.pow(level);
+        assert_eq!(scene.triangle_count(), 12 * (cubes + 1));
+        assert!(scene.unique_triangle_count() <= 12 * 401);
+        let bounds = scene.bounds();
+        assert!((bounds.upper.y - 1.0).abs() < 1.0e-5, "{bounds:?}");
+    }
+    let flat = made("sponge:3").flatten().expect("there is room").mesh;
+    let nested = made("sponge:2").flatten().expect("there is room").mesh;
+    assert_eq!(
+        flat.triangles().len() - 12,
+        20 * (nested.triangles().len() - 12)
+    );
+    let colour = |text: &str| made(text).materials[0].base_color;
+    assert_ne!(colour("sponge:1,seed=1"), colour("sponge:1,seed=2"));
+}
