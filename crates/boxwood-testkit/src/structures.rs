@@ -69,6 +69,7 @@ const TABLE: &[&str] = &[
     "wide16:isa=simd128",
     "wide16:isa=portable",
     "wide16:axes=z",
+    "wide16:gathering=greedy",
 ];
 
 /// Those that are also built by 1 and by 3 threads, whatever pool the test runs in.

@@ -43,8 +43,8 @@ pub use accel::boxes::{BoundingBoxes, ObjectBoxes};
 pub use accel::brute_force::BruteForce;
 pub use accel::bsp_tree::{BspData, BspSah, BspTree};
 pub use accel::bvh::{
-    BinaryTree, BinnedSah, Bvh, EqualCounts, Lbvh, Median, Middle, Ploc, Precision, Refine,
-    SpatialSplit, SweepSah, WideBvh, WideSah,
+    BinaryTree, BinnedSah, Bvh, EqualCounts, Gathering, Lbvh, Median, Middle, Ploc, Precision,
+    Refine, SpatialSplit, SweepSah, WideBvh, WideSah,
 };
 pub use accel::grid::{Density, GridBuilder, UniformGrid};
 pub use accel::kd_tree::{KdLecture, KdSah, KdTree};

@@ -22,5 +22,5 @@ pub use {
     build::{BinnedSah, EqualCounts, Lbvh, Median, Middle, Ploc, SpatialSplit, SweepSah},
     refine::Refine,
     tree::{BinaryNode, BinaryTree, MAX_DEPTH, MAX_LEAF},
-    wide::{Precision, UnknownPrecision, WideBvh, WideSah},
+    wide::{Gathering, Precision, UnknownGathering, UnknownPrecision, WideBvh, WideSah},
 };

@@ -1,7 +1,7 @@
 //! Builders of wide trees by name.
 
 use super::leaf::Leaves;
-use super::{Precision, WideBvh};
+use super::{Gathering, Precision, WideBvh};
 use crate::accel::bvh::{BinnedSah, Refine};
 use crate::accel::limits::{Limits, unlimited};
 use crate::accel::settings::{Setting, Settings, Value};
@@ -14,7 +14,7 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::ops::ControlFlow::Continue;
 
-/// A wide tree of `N` children (8 or 16) from the binned surface-area heuristic, collapsed at the least expected cost.
+/// A wide tree of `N` children (8 or 16) from the binned surface-area heuristic, collapsed, by default at the least expected cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WideSah<const N: usize> {
     /// Bins per axis, 2 to 64.
@@ -23,6 +23,8 @@ pub struct WideSah<const N: usize> {
     pub axes: Axes,
     /// What is done to the binary tree before it is collapsed.
     pub refine: Refine,
+    /// How the nodes of the binary tree are gathered into wide ones.
+    pub gathering: Gathering,
     /// What the tree is walked with.
     pub isa: Isa,
     /// How exactly boxes and triangles are met.
@@ -35,6 +37,7 @@ impl<const N: usize> Default for WideSah<N> {
             bins: 32,
             axes: Axes::XYZ,
             refine: Refine::NONE,
+            gathering: Gathering::Optimal,
             isa: Isa::best(),
             precision: Precision::Exact,
         }
@@ -82,7 +85,7 @@ where
             watch: Some(&|share| watch(TREE + (1.0 - TREE) * share)),
             ..*limits
         };
-        Ok(WideBvh::within(primitives, &tree, &rest)?
+        Ok(WideBvh::within(primitives, &tree, self.gathering, &rest)?
             .with_isa(self.isa)
             .with_precision(self.precision))
     }
@@ -98,6 +101,18 @@ impl Value for &mut Isa {
     fn expected(&self) -> String {
         // The same text on every machine, so that documentation is too.
         "portable|avx2|avx512|neon|simd128".into()
+    }
+}
+
+impl Value for &mut Gathering {
+    fn read(&mut self, text: &str) -> bool {
+        text.parse().map(|gathering| **self = gathering).is_ok()
+    }
+    fn write(&self) -> String {
+        self.to_string()
+    }
+    fn expected(&self) -> String {
+        "optimal|greedy".into()
     }
 }
 
@@ -124,6 +139,7 @@ macro_rules! named {
                 let mut all = Vec::from([
                     Setting::count("bins", &mut self.bins, 2..=64),
                     Setting::axes(&mut self.axes),
+                    Setting::new("gathering", &mut self.gathering),
                     Setting::new("isa", &mut self.isa),
                     Setting::new("precision", &mut self.precision),
                 ]);

@@ -1,5 +1,6 @@
 //! From a binary tree to a wide one, as the [`Plan`] says.
 
+use super::gathering::Gathering;
 use super::leaf::Leaves;
 use super::node::{Child, Node};
 use super::plan::Plan;
@@ -17,9 +18,10 @@ pub fn collapse<P: Primitives, const N: usize>(
     primitives: &P,
     tree: &BinaryTree,
     max_leaf: usize,
+    gathering: Gathering,
     site: &Site<'_>,
 ) -> Result<(Child, Pages<Node<N>>, Leaves, usize), BuildError> {
-    let plan = Plan::new(primitives, tree, max_leaf, site);
+    let plan = Plan::new(primitives, tree, max_leaf, gathering, site);
     let mut wide = Wide {
         primitives,
         tree,

@@ -12,6 +12,7 @@
 mod batch;
 mod build;
 mod collapse;
+mod gathering;
 mod hierarchy;
 mod leaf;
 mod node;
@@ -22,6 +23,7 @@ mod scalar;
 mod traverse;
 
 pub use build::WideSah;
+pub use gathering::{Gathering, UnknownGathering};
 pub use precision::{Precision, UnknownPrecision};
 
 use crate::accel::limits::{Limits, Site, unlimited};
@@ -73,7 +75,12 @@ where
     /// When the tree is for fewer or more primitives, has larger leaves than [`MAX_LEAF`](crate::accel::bvh::MAX_LEAF), or
     /// more than a quarter of a billion primitives. See [`WideBvh::checked`] for trees from elsewhere.
     pub fn new(primitives: P, tree: &BinaryTree) -> Self {
-        unlimited(Self::within(primitives, tree, &Limits::NONE))
+        unlimited(Self::within(
+            primitives,
+            tree,
+            Gathering::Optimal,
+            &Limits::NONE,
+        ))
     }
 
     /// Takes a tree from anywhere, and looks at all of it first.
@@ -85,11 +92,21 @@ where
         Ok(Self::new(primitives, tree))
     }
 
-    fn within(primitives: P, tree: &BinaryTree, limits: &Limits<'_>) -> Result<Self, BuildError> {
-        exactly(|| Self::laid_out(primitives, tree, limits))
+    fn within(
+        primitives: P,
+        tree: &BinaryTree,
+        gathering: Gathering,
+        limits: &Limits<'_>,
+    ) -> Result<Self, BuildError> {
+        exactly(|| Self::laid_out(primitives, tree, gathering, limits))
     }
 
-    fn laid_out(primitives: P, tree: &BinaryTree, limits: &Limits<'_>) -> Result<Self, BuildError> {
+    fn laid_out(
+        primitives: P,
+        tree: &BinaryTree,
+        gathering: Gathering,
+        limits: &Limits<'_>,
+    ) -> Result<Self, BuildError> {
         let most = tree.order.iter().max().map_or(0, |&id| id as usize + 1);
         let fits = most == primitives.len() && tree.nodes.is_empty() == tree.order.is_empty();
         assert!(fits, "a tree for other primitives");
@@ -98,7 +115,8 @@ where
         let given = size_of_val(&*tree.nodes) + size_of_val(&*tree.order);
         // Where there is no room for it, the build is over, and `finish` says so.
         site.take(given);
-        let (root, nodes, leaves, depth) = collapse::collapse(&primitives, tree, MAX_LEAF, &site)?;
+        let (root, nodes, leaves, depth) =
+            collapse::collapse(&primitives, tree, MAX_LEAF, gathering, &site)?;
         let bounds = tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds);
         site.finish(Self {
             cut: tree.order.len() > primitives.len(),

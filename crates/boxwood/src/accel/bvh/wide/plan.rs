@@ -9,6 +9,7 @@
 //! *Source.* Ylitie, Karras & Laine 2017, *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, section
 //! 4.1 (after Wald, Benthin & Boulos 2008).
 
+use super::gathering::Gathering;
 use super::leaf::Leaves;
 use crate::accel::bvh::tree::BinaryTree;
 use crate::accel::limits::Site;
@@ -23,6 +24,7 @@ const NODE_COST: f32 = 1.5;
 /// What becomes of each node of a binary tree.
 pub struct Plan<'a, const N: usize> {
     tree: &'a BinaryTree,
+    gathering: Gathering,
     /// Most primitives in a leaf that is made of a subtree.
     max_leaf: usize,
     /// For each inner node and each number of places `j`, how many of them its first half gets (at `j − 1`): 0 where it takes
@@ -55,10 +57,12 @@ impl<'a, const N: usize> Plan<'a, N> {
         primitives: &P,
         tree: &'a BinaryTree,
         max_leaf: usize,
+        gathering: Gathering,
         site: &Site<'_>,
     ) -> Self {
         let mut plan = Self {
             tree,
+            gathering,
             max_leaf,
             choices: Vec::new(),
             promises: Vec::new(),
@@ -96,6 +100,9 @@ impl<'a, const N: usize> Plan<'a, N> {
                 .children()
                 .map(|child| self.weigh(primitives, child, site));
             let count = a.primitives + b.primitives;
+            if self.gathering == Gathering::Greedy {
+                return self.weigh_greedily(index, area, [a, b]);
+            }
             let mut costs = [f32::INFINITY; N];
             let mut choice = [0; N];
             for j in 2..=N {
@@ -131,6 +138,27 @@ impl<'a, const N: usize> Plan<'a, N> {
         below
     }
 
+    /// Of a subtree with two halves where nothing is chosen: what fits into a block becomes a leaf.
+    fn weigh_greedily(&mut self, index: usize, area: f32, [a, b]: [Below<N>; 2]) -> Below<N> {
+        let primitives = a.primitives + b.primitives;
+        let fits = primitives <= Leaves::LANES;
+        let place = self.inner(index);
+        self.choices[place][0] = u8::from(!fits);
+        let cost = if fits {
+            area
+        } else {
+            // Of a node's places each has a share.
+            area * NODE_COST / (N - 1) as f32 + a.costs[0] + b.costs[0]
+        };
+        let surface = a.surface + b.surface;
+        self.promises[index] = surface / cost;
+        Below {
+            costs: [cost; N],
+            primitives,
+            surface,
+        }
+    }
+
     /// The number of an inner node among its like: pairs of children lie side by side from node 1 on.
     fn inner(&self, index: usize) -> usize {
         (self.tree.nodes[index].first as usize - 1) / 2
@@ -147,10 +175,32 @@ impl<'a, const N: usize> Plan<'a, N> {
     pub fn children(&self, index: usize, found: &mut Vec<usize>) {
         found.clear();
         let [a, b] = self.tree.nodes[index].children();
-        let for_first = usize::from(self.choices[self.inner(index)][0]);
-        self.places(a, for_first, found);
-        self.places(b, N - for_first, found);
+        match self.gathering {
+            Gathering::Optimal => {
+                let for_first = usize::from(self.choices[self.inner(index)][0]);
+                self.places(a, for_first, found);
+                self.places(b, N - for_first, found);
+            }
+            Gathering::Greedy => {
+                found.extend([a, b]);
+                while found.len() < N
+                    && let Some(place) = self.largest(found)
+                {
+                    let [a, b] = self.tree.nodes[found[place]].children();
+                    found[place] = a;
+                    found.push(b);
+                }
+            }
+        }
         found.sort_by(|&a, &b| self.promises[a].total_cmp(&self.promises[b]));
+    }
+
+    /// Which of some nodes that can be opened has the most surface.
+    fn largest(&self, nodes: &[usize]) -> Option<usize> {
+        let area = |place: usize| half_area(&self.tree.nodes[nodes[place]].bounds);
+        (0..nodes.len())
+            .filter(|&place| !self.is_leaf(nodes[place]))
+            .max_by(|&a, &b| area(a).total_cmp(&area(b)))
     }
 
     /// The nodes that take so many places for a subtree.
