@@ -97,7 +97,8 @@ pub enum UnknownBuiltin {
     },
     /// The number of things does not fit.
     #[error(
-        "`{given}` is no number of {what} for `{name}`: expected {least} to {most}, such as {default}, 20k or 1M"
+        "`{given}` is no number of {what} for `{name}`: expected {least} to {most}, such as {default}{}",
+        if *most < 20_000 { "" } else { ", 20k or 1M" }
     )]
     Size {
         /// The scene.
