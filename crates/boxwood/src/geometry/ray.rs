@@ -168,7 +168,8 @@ impl<S: Lanes<4>> Facing<S> {
 }
 
 impl PreparedRay {
-    /// What a tame ray's coordinates are added up to less than, and what its longest one is above.
+    /// What the longest coordinate of a tame ray's direction is above, and what all coordinates are less than (packets, which may
+    /// refuse more, ask it of their sums).
     pub(crate) const DOORS: [f32; 2] = [HUGE.recip(), HUGE];
     /// Whether rays can be tame in a scene whose largest |coordinate| is `scale`.
     #[inline(always)]
