@@ -85,6 +85,17 @@ impl Closest {
     }
 }
 
+/// The closest point of a triangle, if the square of its distance is within the limit.
+#[inline(always)]
+fn no_farther(corners: [Vec3; 3], from: [f64; 3], limit: f64) -> Option<Found> {
+    // Less work than the triangle, and most end here.
+    if !(Extent::of(corners).distance_squared(from) <= limit) {
+        return None;
+    }
+    let found = closest(corners, from);
+    (found.square <= limit).then_some(found)
+}
+
 impl Search for Closest {
     #[inline(always)]
     fn limit(&self) -> f64 {
@@ -96,15 +107,11 @@ impl Search for Closest {
     }
     #[inline(always)]
     fn offer(&mut self, primitive: u32, corners: [Vec3; 3], _: usize) -> ControlFlow<()> {
-        // Less work than the triangle, and most end here.
-        if self.score(&Extent::of(corners), 0) <= self.limit {
-            let found = closest(corners, self.from);
-            let lower = |&(_, best): &(Found, u32)| primitive < best;
-            if found.square < self.limit
-                || found.square == self.limit && self.best.as_ref().is_none_or(lower)
-            {
-                (self.limit, self.best) = (found.square, Some((found, primitive)));
-            }
+        let lower = |&(_, best): &(Found, u32)| primitive < best;
+        if let Some(found) = no_farther(corners, self.from, self.limit)
+            && (found.square < self.limit || self.best.as_ref().is_none_or(lower))
+        {
+            (self.limit, self.best) = (found.square, Some((found, primitive)));
         }
         Continue(())
     }
@@ -149,11 +156,7 @@ impl Search for Nearest {
         around.distance_squared(self.from)
     }
     fn offer(&mut self, primitive: u32, corners: [Vec3; 3], _: usize) -> ControlFlow<()> {
-        if !(self.score(&Extent::of(corners), 0) <= self.limit) {
-            return Continue(());
-        }
-        let found = closest(corners, self.from);
-        if found.square <= self.limit {
+        if let Some(found) = no_farther(corners, self.from, self.limit) {
             self.best.insert((found.square.to_bits(), primitive), found);
             if self.best.len() > self.k {
                 self.best.pop_last();
@@ -213,11 +216,8 @@ impl Search for Within {
     }
     #[inline(always)]
     fn offer(&mut self, primitive: u32, corners: [Vec3; 3], _: usize) -> ControlFlow<()> {
-        if self.score(&Extent::of(corners), 0) <= self.limit {
-            let found = closest(corners, self.from);
-            if found.square <= self.limit {
-                self.all.push((found, primitive));
-            }
+        if let Some(found) = no_farther(corners, self.from, self.limit) {
+            self.all.push((found, primitive));
         }
         Continue(())
     }
