@@ -14,6 +14,8 @@
 
 mod bins;
 mod few;
+mod four;
+mod row;
 
 use super::sweep::{Block, Cut};
 use super::top_down::{Divide, Divided, grow, work};
@@ -26,10 +28,17 @@ use crate::accel::settings::Setting;
 use crate::accel::{Axes, BuildError, Limits};
 use crate::geometry::Aabb;
 use crate::primitive::Primitives;
+use crate::simd::{Isa, Kernel, Level, Simd, Vectorize};
 use alloc::vec::Vec;
 use bins::{Bins, MAX_BINS};
 use core::marker::PhantomData;
 use few::FEW;
+use four::{FOUR, Parted, Weights};
+use row::Row;
+#[cfg(feature = "parallel")]
+use {
+    super::top_down::SEQUENTIAL, crate::simd::Portable, crate::threads::Exactly, rayon::prelude::*,
+};
 
 const MAX_BLOCK: usize = 16;
 
@@ -72,13 +81,16 @@ impl BinnedSah {
         if count == 0 || !site.take(BYTES_EACH.saturating_mul(count)) {
             return site.finish(BinaryTree::default());
         }
+        let block = Block::of(self.block.clamp(1, MAX_BLOCK));
         let binned = Binned {
             settings: Self {
                 bins: self.bins.clamp(2, MAX_BINS),
                 max_leaf: self.max_leaf.clamp(1, MAX_LEAF),
-                block: self.block.clamp(1, MAX_BLOCK),
                 ..*self
             },
+            block,
+            weights: Weights::of(block),
+            level: Isa::best().level(),
             items: PhantomData,
         };
         let mut items = items(primitives);
@@ -93,6 +105,9 @@ impl BinnedSah {
 /// The settings at work, on slices of one list.
 struct Binned<'i> {
     settings: BinnedSah,
+    block: Block,
+    weights: Weights,
+    level: Level,
     items: PhantomData<fn(&'i mut [Item])>,
 }
 
@@ -105,6 +120,7 @@ struct Slice<'i> {
 }
 
 impl<'i> Slice<'i> {
+    #[inline(always)]
     fn of(items: &'i mut [Item]) -> Self {
         Self {
             around: Item::sides_around(items),
@@ -113,9 +129,14 @@ impl<'i> Slice<'i> {
         }
     }
     /// Two slices of one whose boxes are known.
+    #[inline(always)]
     fn halves(self, at: usize, around: [Sides; 2]) -> [Self; 2] {
         let (left, right) = self.items.split_at_mut(at);
-        let half = |items: &'i mut [Item], around| Self {
+        [Self::half(left, around[0]), Self::half(right, around[1])]
+    }
+    #[inline(always)]
+    fn half(items: &'i mut [Item], around: Sides) -> Self {
+        Self {
             middles: if items.len() > FEW {
                 Item::around_middles(items)
             } else {
@@ -123,10 +144,10 @@ impl<'i> Slice<'i> {
             },
             items,
             around,
-        };
-        [half(left, around[0]), half(right, around[1])]
+        }
     }
     /// Two slices of one about which nothing is known.
+    #[inline(always)]
     fn halved(self) -> [Self; 2] {
         let (left, right) = self.items.split_at_mut(self.items.len() / 2);
         [Self::of(left), Self::of(right)]
@@ -146,30 +167,71 @@ impl<'i> Divide for Binned<'i> {
         order.extend(part.items.iter().map(Item::id));
     }
     fn divide(&self, part: Slice<'i>, may_choose: bool) -> Divided<Slice<'i>> {
-        match part.items.len() {
-            0 | 1 => Divided::Leaf(part),
-            2..=FEW => self.divide_few(part, may_choose),
-            // Most parts are small, and clearing bins that nobody asked for would take longer than filling the others.
-            _ if self.settings.bins <= 16 => self.divide_many::<16>(part, may_choose),
-            _ => self.divide_many::<MAX_BINS>(part, may_choose),
+        if part.items.len() < 2 {
+            return Divided::Leaf(part);
+        }
+        Vectorize::<8>::vectorize(
+            self.level,
+            Step {
+                binned: self,
+                part,
+                may_choose,
+            },
+        )
+    }
+}
+
+/// One division.
+struct Step<'a, 'i> {
+    binned: &'a Binned<'i>,
+    part: Slice<'i>,
+    may_choose: bool,
+}
+
+impl<'i> Kernel<8> for Step<'_, 'i> {
+    type Output = Divided<Slice<'i>>;
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> Divided<Slice<'i>> {
+        let Self {
+            binned,
+            part,
+            may_choose,
+        } = self;
+        let len = part.items.len();
+        let settings = &binned.settings;
+        if !may_choose {
+            return binned.undecided(part);
+        }
+        if len <= FOUR && settings.axes == Axes::XYZ {
+            return binned.divide_four(s, part);
+        }
+        if len <= FEW {
+            return binned.divide_few(s, part);
+        }
+        // Few items do not need many bins, and most parts are small: clearing bins that nobody asked for would take longer than
+        // filling the others.
+        match settings.bins.min(4 + len / 8) {
+            count @ ..=8 => binned.divide_many::<S, 8>(s, part, count),
+            count @ ..=16 => binned.divide_many::<S, 16>(s, part, count),
+            count @ ..=32 => binned.divide_many::<S, 32>(s, part, count),
+            count => binned.divide_many::<S, MAX_BINS>(s, part, count),
         }
     }
 }
 
 impl<'i> Binned<'i> {
-    fn block(&self) -> Block {
-        Block::of(self.settings.block)
-    }
-    /// Whether items stay together although they could be cut.
-    fn stay(&self, part: &Slice<'i>, cut: &Cut) -> bool {
+    /// Whether items stay together although they could be parted at such a cost.
+    #[inline(always)]
+    fn stay(&self, part: &Slice<'i>, cost: f32) -> bool {
         let (len, area) = (part.items.len(), part.around.half_area());
         let together = PRIMITIVE_COST * len as f32 * area;
-        let apart = NODE_COST * area + PRIMITIVE_COST * cut.cost;
+        let apart = NODE_COST * area + PRIMITIVE_COST * cost;
         // Written so that a box without area, or with an infinite one, stays together.
         len <= self.settings.max_leaf && !(apart < together)
     }
 
     /// Where there is no cut, or none may be chosen.
+    #[inline(always)]
     fn undecided(&self, part: Slice<'i>) -> Divided<Slice<'i>> {
         if part.items.len() <= self.settings.max_leaf {
             Divided::Leaf(part)
@@ -178,45 +240,106 @@ impl<'i> Binned<'i> {
         }
     }
 
-    fn divide_few(&self, part: Slice<'i>, may_choose: bool) -> Divided<Slice<'i>> {
-        let Some(found) = few::cheapest_cut(part.items, self.settings.axes, self.block()) else {
-            return self.undecided(part);
-        };
-        if self.stay(&part, &found.cut) {
+    #[inline(always)]
+    fn divide_four<S: Simd>(&self, s: S, part: Slice<'i>) -> Divided<Slice<'i>> {
+        let parted = Parted::of(s, part.items, &self.weights);
+        if self.stay(&part, parted.cost) {
             return Divided::Leaf(part);
         }
-        if !may_choose {
-            return Divided::Halves(part.halved());
+        let at = parted.part(part.items);
+        Divided::Halves(part.halves(at, parted.around))
+    }
+
+    #[inline(always)]
+    fn divide_few<S: Simd>(&self, s: S, part: Slice<'i>) -> Divided<Slice<'i>> {
+        let Some(found) = few::cheapest_cut(s, part.items, self.settings.axes, self.block) else {
+            return self.undecided(part);
+        };
+        if self.stay(&part, found.cut.cost) {
+            return Divided::Leaf(part);
         }
         found.put_in_order(part.items);
         let at = found.cut.at;
         let (left, right) = part.items.split_at(at);
-        let around = [left, right].map(Item::sides_around);
+        let around = [Item::sides_around(left), Item::sides_around(right)];
         Divided::Halves(part.halves(at, around))
     }
 
-    fn divide_many<const N: usize>(&self, part: Slice<'i>, may_choose: bool) -> Divided<Slice<'i>> {
-        // Few items do not need many bins.
-        let count = self.settings.bins.min(4 + part.items.len() / 2);
+    #[inline(always)]
+    fn divide_many<S: Simd, const N: usize>(
+        &self,
+        s: S,
+        part: Slice<'i>,
+        count: usize,
+    ) -> Divided<Slice<'i>> {
         let bins = Bins::new(count, &part.middles);
-        let filled = bins.fill::<N>(part.items);
-        let cuts = self.settings.axes.iter().filter_map(|axis| {
-            let cut = filled.cheapest_cut(axis, count, self.block());
-            cut.map(|cut| (axis, cut))
-        });
-        let best = cuts.reduce(|a, b| if b.1.is_better(&a.1) { b } else { a });
+        let mut rows = [const { Row::<N>::EMPTY }; 3];
+        self.fill(s, &bins, part.items, &mut rows);
+        let mut best: Option<(usize, Cut)> = None;
+        for axis in 0..3 {
+            if self.settings.axes.has(axis)
+                && let Some(cut) = rows[axis].cheapest_cut(s, self.block)
+                && best.as_ref().is_none_or(|best| cut.is_better(&best.1))
+            {
+                best = Some((axis, cut));
+            }
+        }
         let Some((axis, cut)) = best else {
             return self.undecided(part);
         };
-        if self.stay(&part, &cut) {
+        if self.stay(&part, cut.cost) {
             return Divided::Leaf(part);
         }
-        if !may_choose {
-            return Divided::Halves(part.halved());
-        }
-        let around = filled.around(axis, cut.at);
+        let around = rows[axis].around(s, cut.at);
         let at = bins.part(part.items, axis, cut.at);
         Divided::Halves(part.halves(at, around))
+    }
+
+    /// Fills bins, by many threads where there is much.
+    #[inline(always)]
+    fn fill<S: Simd, const N: usize>(
+        &self,
+        s: S,
+        bins: &Bins,
+        items: &[Item],
+        rows: &mut [Row<N>; 3],
+    ) {
+        #[cfg(feature = "parallel")]
+        if items.len() > 8 * SEQUENTIAL {
+            let fill = |items| {
+                let fill = Fill { bins, items };
+                Vectorize::<8>::vectorize(self.level, fill)
+            };
+            // Unions and sums of whole numbers: the order does not count.
+            let merge = |mut all: [Row<N>; 3], other: [Row<N>; 3]| {
+                for (all, other) in all.iter_mut().zip(&other) {
+                    all.merge(Portable, other);
+                }
+                all
+            };
+            let parts = items.par_chunks(2 * SEQUENTIAL).exactly().map(fill);
+            *rows = parts.reduce(|| [const { Row::EMPTY }; 3], merge);
+            return;
+        }
+        bins.fill(s, items, rows);
+    }
+}
+
+/// The share of one thread in filling bins.
+#[cfg(feature = "parallel")]
+struct Fill<'a, const N: usize> {
+    bins: &'a Bins,
+    items: &'a [Item],
+}
+
+#[cfg(feature = "parallel")]
+impl<const N: usize> Kernel<8> for Fill<'_, N> {
+    type Output = [Row<N>; 3];
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> [Row<N>; 3] {
+        let mut rows = [const { Row::EMPTY }; 3];
+        self.bins.fill(s, self.items, &mut rows);
+        rows
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::geometry::{Aabb, Vec3};
 use crate::primitive::Primitives;
+use crate::simd::{F, Floats, Lanes};
 use alloc::vec::Vec;
 #[cfg(feature = "parallel")]
 use {super::top_down::SEQUENTIAL, crate::threads::Exactly, rayon::prelude::*};
@@ -32,13 +33,33 @@ impl Sides {
         }
         Self(sides)
     }
+    /// Lower x, y, z, negated upper x, y, z.
+    #[inline(always)]
+    pub fn of_planes(p: [f32; 6]) -> Self {
+        Self([p[0], p[1], p[2], 0.0, p[3], p[4], p[5], 0.0])
+    }
+    /// One of those.
+    #[inline(always)]
+    pub fn plane(&self, plane: usize) -> f32 {
+        self.0[plane + plane / 3]
+    }
+    /// All at once: of two boxes, `theirs.min(mine)` is around both, and passes over NaN in `theirs`.
+    #[inline(always)]
+    pub fn lanes<S: Lanes<8>>(&self, s: S) -> F<S, 8> {
+        F::<S, 8>::load(s, &self.0)
+    }
+    #[inline(always)]
+    pub fn of_lanes<S: Lanes<8>>(lanes: F<S, 8>) -> Self {
+        Self(lanes.to_array())
+    }
     #[inline(always)]
     pub fn half_area(&self) -> f32 {
-        let size = |k: usize| {
-            let size = -self.0[k + 4] - self.0[k];
-            if size > 0.0 { size } else { 0.0 }
-        };
-        let (x, y, z) = (size(0), size(1), size(2));
+        let mut size = [0.0; 4];
+        for k in 0..4 {
+            let between = -self.0[k + 4] - self.0[k];
+            size[k] = if between > 0.0 { between } else { 0.0 };
+        }
+        let [x, y, z, _] = size;
         x * y + y * z + z * x
     }
     #[inline(always)]
@@ -91,7 +112,11 @@ impl Item {
     #[inline(always)]
     pub fn middle(&self) -> [f32; 4] {
         let s = &self.sides.0;
-        core::array::from_fn(|k| s[k] * 0.5 - s[k + 4] * 0.5)
+        let mut middle = [0.0; 4];
+        for k in 0..4 {
+            middle[k] = s[k] * 0.5 - s[k + 4] * 0.5;
+        }
+        middle
     }
     /// The same along one axis.
     #[inline(always)]
@@ -105,15 +130,21 @@ impl Item {
     }
 
     /// Around some items.
+    #[inline(always)]
     pub fn around(items: &[Self]) -> Aabb {
         Self::sides_around(items).bounds()
     }
     /// The same, as sides.
+    #[inline(always)]
     pub fn sides_around(items: &[Self]) -> Sides {
-        let around = items.iter();
-        around.fold(Sides::EMPTY, |sides, item| sides.around(&item.sides))
+        let mut around = Sides::EMPTY;
+        for item in items {
+            around = around.around(&item.sides);
+        }
+        around
     }
     /// Around the middles of some items.
+    #[inline(always)]
     pub fn around_middles(items: &[Self]) -> Sides {
         #[cfg(feature = "parallel")]
         if items.len() > 8 * SEQUENTIAL {
@@ -123,9 +154,11 @@ impl Item {
                 .map(Self::around_middles)
                 .reduce(|| Sides::EMPTY, |a, b| a.around(&b));
         }
-        items.iter().fold(Sides::EMPTY, |sides, item| {
-            sides.around(&Sides::of_point(item.middle()))
-        })
+        let mut around = Sides::EMPTY;
+        for item in items {
+            around = around.around(&Sides::of_point(item.middle()));
+        }
+        around
     }
 
     /// Orders items along an axis by their middles; `tie` decides between equal ones. Infinities and NaN have a place too.

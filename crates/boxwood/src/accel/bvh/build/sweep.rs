@@ -29,6 +29,7 @@ pub(super) struct Cut {
 
 impl Cut {
     /// Cheaper, or as cheap and more even: boxes along a line have no area, and all cuts through them cost nothing.
+    #[inline(always)]
     pub fn is_better(&self, other: &Self) -> bool {
         self.cost < other.cost
             || (self.cost == other.cost && self.smaller_half > other.smaller_half)
@@ -56,15 +57,21 @@ impl Block {
     fn filled(self, count: u32) -> u32 {
         (count + self.mask) & !self.mask
     }
+
+    /// What some primitives weigh that are tested in blocks.
+    ///
+    /// Half of it by the blocks that they would fill alone, half by their number: blocks alone would force rows of long
+    /// primitives into fours, their number alone leaves a quarter of all places empty.
+    #[inline(always)]
+    pub fn weight(self, count: u32) -> f32 {
+        0.5 * (count as f32 + self.filled(count) as f32)
+    }
 }
 
-/// What some primitives cost that are tested in blocks: a number, even for infinite boxes that are flat.
-///
-/// Half of it by the blocks that they would fill alone, half by their number: blocks alone would force rows of long
-/// primitives into fours, their number alone leaves a quarter of all places empty.
+/// What some primitives cost in a box of such an area: a number, even for infinite boxes that are flat.
 #[inline(always)]
-fn cost(sides: &Sides, count: u32, block: Block) -> f32 {
-    let cost = sides.half_area() * (0.5 * (count as f32 + block.filled(count) as f32));
+pub(super) fn cost(area: f32, count: u32, block: Block) -> f32 {
+    let cost = area * block.weight(count);
     if cost < f32::INFINITY {
         cost
     } else {
@@ -72,8 +79,40 @@ fn cost(sides: &Sides, count: u32, block: Block) -> f32 {
     }
 }
 
-/// Dearer than any cut.
-const NONE: u64 = u64::MAX;
+/// The best of some cuts.
+///
+/// Cost above evenness in one number, the least of which is the best: positive floats ascend like whole numbers. A
+/// branch would be foreseen badly.
+pub(super) struct Choice {
+    best: u64,
+    at: usize,
+}
+
+impl Choice {
+    pub const NONE: Self = Self {
+        best: u64::MAX,
+        at: 0,
+    };
+
+    /// A cut with so many primitives on its two sides, if that is some.
+    #[inline(always)]
+    pub fn offer(&mut self, at: usize, cost: f32, left: u32, right: u32) {
+        let cut = u64::from(cost.to_bits()) << 32 | u64::from(!left.min(right));
+        let counts = (left != 0) & (right != 0);
+        let cut = if counts { cut } else { u64::MAX };
+        self.at = if cut < self.best { at } else { self.at };
+        self.best = self.best.min(cut);
+    }
+
+    #[inline(always)]
+    pub fn cut(self) -> Option<Cut> {
+        (self.best != u64::MAX).then(|| Cut {
+            at: self.at,
+            cost: f32::from_bits((self.best >> 32) as u32),
+            smaller_half: !(self.best as u32),
+        })
+    }
+}
 
 /// The cheapest cut of a row of `len` slots that leaves primitives on both sides and, where some are cut in two, at most
 /// `most` in all. A test takes a block of primitives at once. `behind` is scratch for at least `len` numbers.
@@ -90,11 +129,9 @@ pub(super) fn cheapest_cut(
     for i in (1..len).rev() {
         let slot = slot(i);
         (sides, right) = (sides.around(&slot.sides), right + slot.end);
-        behind[i] = cost(&sides, right, block);
+        behind[i] = cost(sides.half_area(), right, block);
     }
-    // Cost above evenness in one number, the least of which is the best: positive floats ascend like whole numbers. A
-    // branch would be foreseen badly.
-    let (mut best, mut best_at) = (NONE, 0);
+    let mut choice = Choice::NONE;
     let mut sides = Sides::EMPTY;
     let mut left = 0;
     for at in 1..len {
@@ -103,16 +140,10 @@ pub(super) fn cheapest_cut(
         if at > 1 {
             right -= before.end;
         }
-        let cost = cost(&sides, left, block) + behind[at];
-        let cut = u64::from(cost.to_bits()) << 32 | u64::from(!left.min(right));
-        let counts = (left != 0) & (right != 0) & (left + right <= most);
-        let cut = if counts { cut } else { NONE };
-        best_at = if cut < best { at } else { best_at };
-        best = best.min(cut);
+        if left + right <= most {
+            let cost = cost(sides.half_area(), left, block) + behind[at];
+            choice.offer(at, cost, left, right);
+        }
     }
-    (best != NONE).then(|| Cut {
-        at: best_at,
-        cost: f32::from_bits((best >> 32) as u32),
-        smaller_half: !(best as u32),
-    })
+    choice.cut()
 }

@@ -1,9 +1,8 @@
-//! Bins of one node: filling them, weighing the cuts between them, and cutting there.
+//! Bins of one node: filling them, and cutting between them.
 
-use crate::accel::bvh::build::sweep::{Block, Cut, Slot, cheapest_cut};
+use super::row::Row;
 use crate::accel::bvh::build::{Item, Sides};
-#[cfg(feature = "parallel")]
-use {crate::accel::bvh::build::top_down::SEQUENTIAL, crate::threads::Exactly, rayon::prelude::*};
+use crate::simd::Lanes;
 
 /// The most bins there may be.
 pub(super) const MAX_BINS: usize = 64;
@@ -23,6 +22,7 @@ const ROUNDING: f32 = 12_582_912.0;
 const HALF: f32 = 0.499_99;
 
 impl Bins {
+    #[inline(always)]
     pub fn new(bins: usize, middles: &Sides) -> Self {
         let around = middles.bounds();
         let size = around.size();
@@ -48,21 +48,9 @@ impl Bins {
         (place + ROUNDING).to_bits()
     }
 
-    pub fn fill<const N: usize>(&self, items: &[Item]) -> Filled<N> {
-        #[cfg(feature = "parallel")]
-        if items.len() > 8 * SEQUENTIAL {
-            // Unions and sums of whole numbers: the order does not count.
-            return items
-                .par_chunks(2 * SEQUENTIAL)
-                .exactly()
-                .map(|items| self.fill_some(items))
-                .reduce(Filled::empty, Filled::merge);
-        }
-        self.fill_some(items)
-    }
-
-    fn fill_some<const N: usize>(&self, items: &[Item]) -> Filled<N> {
-        let mut filled = Filled::empty();
+    /// Fills the bins of all axes.
+    #[inline(always)]
+    pub fn fill<S: Lanes<8>, const N: usize>(&self, s: S, items: &[Item], rows: &mut [Row<N>; 3]) {
         const { assert!(N.is_power_of_two()) };
         // First all numbers of some items, four lanes at a time, then the items.
         let mut bins = [[0; 4]; 64];
@@ -74,18 +62,16 @@ impl Bins {
                 }
             }
             for (bins, item) in bins.iter().zip(items) {
-                let sides = item.sides();
+                let sides = item.sides().lanes(s);
                 for axis in 0..3 {
-                    let bin = bins[axis] as usize & (N - 1);
-                    filled.sides[axis][bin] = filled.sides[axis][bin].around(&sides);
-                    filled.counts[axis][bin] += 1;
+                    rows[axis].add::<S>(s, bins[axis] as usize & (N - 1), sides, 1);
                 }
             }
         }
-        filled
     }
 
     /// Brings the items of the bins before `at` to the front: how many they are.
+    #[inline(always)]
     pub fn part(&self, items: &mut [Item], axis: usize, at: usize) -> usize {
         let mut left = 0;
         for i in 0..items.len() {
@@ -95,49 +81,5 @@ impl Bins {
             left += usize::from(bin < at);
         }
         left
-    }
-}
-
-/// What fell into at most `N` bins: bounds and number, by axis.
-pub(super) struct Filled<const N: usize> {
-    sides: [[Sides; N]; 3],
-    counts: [[u32; N]; 3],
-}
-
-impl<const N: usize> Filled<N> {
-    fn empty() -> Self {
-        Self {
-            sides: [[Sides::EMPTY; N]; 3],
-            counts: [[0; N]; 3],
-        }
-    }
-
-    #[cfg(feature = "parallel")]
-    fn merge(mut self, other: Self) -> Self {
-        let sides = self.sides.as_flattened_mut().iter_mut();
-        for (mine, theirs) in sides.zip(other.sides.as_flattened()) {
-            *mine = mine.around(theirs);
-        }
-        let counts = self.counts.as_flattened_mut().iter_mut();
-        for (mine, theirs) in counts.zip(other.counts.as_flattened()) {
-            *mine += theirs;
-        }
-        self
-    }
-
-    /// The cheapest cut on one axis that leaves something on both sides.
-    pub fn cheapest_cut(&self, axis: usize, bins: usize, block: Block) -> Option<Cut> {
-        let (sides, counts) = (&self.sides[axis], &self.counts[axis]);
-        cheapest_cut(bins.min(N), u32::MAX, block, &mut [0.0; N], |i| Slot {
-            sides: sides[i],
-            begin: counts[i],
-            end: counts[i],
-        })
-    }
-
-    /// What is around the bins before `at`, and around the others.
-    pub fn around(&self, axis: usize, at: usize) -> [Sides; 2] {
-        let (left, right) = self.sides[axis].split_at(at);
-        [left, right].map(|row| row.iter().fold(Sides::EMPTY, |a, b| a.around(b)))
     }
 }

@@ -3,9 +3,11 @@
 //! *How it works.* So few need no sorting: each is compared with each, on all axes at once, and its place is the number of
 //! those before it.
 
+use super::row::Row;
 use crate::accel::Axes;
 use crate::accel::bvh::build::Item;
-use crate::accel::bvh::build::sweep::{Block, Cut, Slot, cheapest_cut as cheapest_cut_of_row};
+use crate::accel::bvh::build::sweep::{Block, Cut};
+use crate::simd::Lanes;
 
 /// How many a handful is.
 pub(super) const FEW: usize = 8;
@@ -18,6 +20,7 @@ pub(super) struct Found {
 
 impl Found {
     /// Brings the items into the order that was cut.
+    #[inline(always)]
     pub fn put_in_order(&self, items: &mut [Item]) {
         let Some(&first) = items.first() else {
             return;
@@ -31,17 +34,23 @@ impl Found {
 }
 
 /// The cheapest cut between at most [`FEW`] items.
-pub(super) fn cheapest_cut(items: &[Item], axes: Axes, block: Block) -> Option<Found> {
+#[inline(always)]
+pub(super) fn cheapest_cut<S: Lanes<8>>(
+    s: S,
+    items: &[Item],
+    axes: Axes,
+    block: Block,
+) -> Option<Found> {
     let orders = orders(items);
     let mut best: Option<Found> = None;
-    for axis in axes.iter() {
-        let order = orders[axis];
-        let cut = cheapest_cut_of_row(items.len(), u32::MAX, block, &mut [0.0; FEW], |i| Slot {
-            sides: items[usize::from(order[i])].sides(),
-            begin: 1,
-            end: 1,
-        });
-        if let Some(cut) = cut
+    for (axis, order) in orders.into_iter().enumerate() {
+        let mut row = Row::<FEW>::EMPTY;
+        for (slot, place) in order.into_iter().enumerate().take(items.len()) {
+            row.sides[slot] = items[usize::from(place) % FEW].sides();
+            row.counts[slot] = 1;
+        }
+        if axes.has(axis)
+            && let Some(cut) = row.cheapest_cut(s, block)
             && best.as_ref().is_none_or(|best| cut.is_better(&best.cut))
         {
             best = Some(Found { cut, order });
@@ -56,10 +65,11 @@ fn orders(items: &[Item]) -> [[u8; FEW]; 3] {
     let mut keys = [[0_i32; 4]; FEW];
     for (key, item) in keys.iter_mut().zip(items) {
         // Negative floats ascend when all bits but the sign are flipped: then NaN has a place too.
-        *key = item.middle().map(|place| {
-            let bits = place.to_bits() as i32;
-            bits ^ ((bits >> 31) as u32 >> 1) as i32
-        });
+        let middle = item.middle();
+        for k in 0..4 {
+            let bits = middle[k].to_bits() as i32;
+            key[k] = bits ^ ((bits >> 31) as u32 >> 1) as i32;
+        }
     }
     let keys = &keys[..items.len()];
     let mut places = [[0_i32; 4]; FEW];
