@@ -28,9 +28,11 @@
 extern crate alloc;
 
 pub mod accel;
+mod digest;
 pub mod geometry;
 pub mod inspect;
 mod math;
+mod pieces;
 pub mod plane;
 pub mod primitive;
 pub mod proximity;
@@ -43,8 +45,8 @@ pub use accel::boxes::{BoundingBoxes, ObjectBoxes};
 pub use accel::brute_force::BruteForce;
 pub use accel::bsp_tree::{BspData, BspSah, BspTree};
 pub use accel::bvh::{
-    BinaryTree, BinnedSah, Bvh, EqualCounts, Gathering, Lbvh, Median, Middle, Ploc, Precision,
-    Refine, SpatialSplit, SweepSah, WideBvh, WideSah,
+    BinaryTree, BinnedSah, Bvh, EqualCounts, Gathering, Lbvh, Median, Middle, OpenError, Ploc,
+    Precision, Refine, SavedError, SpatialSplit, SweepSah, WideBvh, WideSah,
 };
 pub use accel::grid::{Density, GridBuilder, UniformGrid};
 pub use accel::kd_tree::{KdLecture, KdSah, KdTree};

@@ -73,6 +73,24 @@ pub enum TreeFlaw {
         /// The primitive.
         primitive: usize,
     },
+    /// A wide node that does not say of each octant which child comes when, or has a box without a child.
+    #[error("node {node} is no node")]
+    Node {
+        /// The node.
+        node: usize,
+    },
+    /// A block of a wide tree's leaves that does not hold what its places say, or has gaps.
+    #[error("block {block} of the leaves does not hold its primitives")]
+    Block {
+        /// The block.
+        block: usize,
+    },
+    /// A wide tree whose own numbers are not those of its nodes.
+    #[error("the tree's {what} does not follow from its nodes")]
+    Whole {
+        /// `root`, `bounds`, `depth` or `cut`.
+        what: &'static str,
+    },
 }
 
 /// Looks at all of a tree: every node has one parent, every box holds what is below it, every primitive is in one leaf,

@@ -1,11 +1,13 @@
 //! Numbered sets of things a ray may meet.
 
 mod chain;
+mod fingerprint;
 mod instances;
 mod mesh;
 mod shapes;
 
 pub use chain::Chain;
+pub use fingerprint::fingerprint;
 pub use instances::{Instance, InstanceError, Instances, Object};
 pub use mesh::{MeshError, MollerTrumbore, TriangleMesh};
 pub use shapes::{

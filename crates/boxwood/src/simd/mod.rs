@@ -23,6 +23,7 @@ mod isa;
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 mod neon;
 mod pages;
+mod plain;
 mod portable;
 #[cfg(any(
     all(target_arch = "x86_64", feature = "std"),
@@ -42,6 +43,8 @@ pub use isa::{Isa, UnknownIsa};
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 pub use neon::Neon;
 pub use pages::Pages;
+pub(crate) use plain::plain;
+pub use plain::{Plain, bytes, bytes_mut, words, words_mut};
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 pub use simd128::Simd128;
 #[cfg(all(target_arch = "x86_64", feature = "std"))]

@@ -5,7 +5,8 @@
 //! written yet, and an allocator hands out what others have written and given back: with it, the same tree was up to 15 %
 //! slower in some runs than in others. So large arrays are asked of the system itself.
 
-use alloc::alloc::{Layout, alloc, dealloc, handle_alloc_error};
+use super::Plain;
+use alloc::alloc::{Layout, alloc, alloc_zeroed, dealloc, handle_alloc_error};
 use core::fmt;
 use core::marker::PhantomData;
 use core::ops::{Deref, DerefMut};
@@ -31,24 +32,29 @@ enum Source {
 impl<T: Copy> Pages<T> {
     /// An empty list.
     pub fn with_room(room: usize) -> Self {
-        let layout = Self::layout(room);
+        Self::asked(room, alloc).unwrap_or_else(|| handle_alloc_error(Self::layout(room)))
+    }
+
+    /// An empty list in memory from the system, which is new and therefore zero, or from a function of the allocator; `None` where
+    /// there is no memory for it.
+    fn asked(room: usize, allocator: unsafe fn(Layout) -> *mut u8) -> Option<Self> {
+        let layout = Layout::array::<T>(room).ok()?;
         let (items, from) = if layout.size() == 0 {
             (NonNull::dangling(), Source::Allocator)
+        } else if let Some(mapped) = mapped(layout) {
+            mapped
         } else {
-            mapped(layout).unwrap_or_else(|| {
-                // SAFETY: the layout is not empty.
-                let items = unsafe { alloc(layout) };
-                let items = NonNull::new(items).unwrap_or_else(|| handle_alloc_error(layout));
-                (items.cast(), Source::Allocator)
-            })
+            // SAFETY: the layout is not empty.
+            let items = unsafe { allocator(layout) };
+            (NonNull::new(items)?.cast(), Source::Allocator)
         };
-        Self {
+        Some(Self {
             items,
             len: 0,
             room,
             from,
             owned: PhantomData,
-        }
+        })
     }
 
     fn layout(room: usize) -> Layout {
@@ -65,6 +71,16 @@ impl<T: Copy> Pages<T> {
         // SAFETY: the memory holds `room` items.
         unsafe { self.items.add(self.len).write(item) };
         self.len += 1;
+    }
+}
+
+impl<T: Plain> Pages<T> {
+    /// So many items of zeros, to be written over; `None` where there is no memory for them.
+    pub fn zeroed(len: usize) -> Option<Self> {
+        let mut list = Self::asked(len, alloc_zeroed)?;
+        // Zeros in all of the room, which are values.
+        list.len = len;
+        Some(list)
     }
 }
 
@@ -208,6 +224,21 @@ mod tests {
         }
         let lists: Vec<_> = (0..3).map(|_| Pages::<u8>::default()).collect();
         assert!(lists.iter().all(|list| list.is_empty()));
+    }
+
+    #[test]
+    fn zeros_are_zeros_on_pages_of_any_size() {
+        for count in [0, 1, 1000, 1_000_003] {
+            let mut list = Pages::<[u32; 3]>::zeroed(count).expect("a few megabytes");
+            assert!(list.len() == count && list.iter().all(|&item| item == [0; 3]));
+            if let Some(last) = list.last_mut() {
+                last[2] = 7;
+            }
+            assert_eq!(list.iter().flatten().sum::<u32>(), 7 * count.min(1) as u32);
+        }
+        for count in [usize::MAX, usize::MAX / 12, 1 << 48] {
+            assert!(Pages::<[u32; 3]>::zeroed(count).is_none());
+        }
     }
 
     #[test]

@@ -17,10 +17,15 @@ pub mod refine;
 mod tree;
 mod wide;
 
+#[doc(hidden)]
+pub use wide::seal;
 pub use {
     binary::Bvh,
     build::{BinnedSah, EqualCounts, Lbvh, Median, Middle, Ploc, SpatialSplit, SweepSah},
     refine::Refine,
     tree::{BinaryNode, BinaryTree, MAX_DEPTH, MAX_LEAF},
-    wide::{Gathering, Precision, UnknownGathering, UnknownPrecision, WideBvh, WideSah},
+    wide::{
+        Gathering, OpenError, Precision, SavedError, UnknownGathering, UnknownPrecision, WideBvh,
+        WideSah,
+    },
 };

@@ -10,7 +10,7 @@ use super::watertight::TINY;
 use crate::geometry::ray::Leaning;
 use crate::geometry::{Hit, PreparedRay, Vec3};
 use crate::query::Query;
-use crate::simd::{F, Floats, Lanes, Mask};
+use crate::simd::{F, Floats, Lanes, Mask, plain};
 use core::ops::ControlFlow::{self, Break, Continue};
 
 /// How many triangles a block holds.
@@ -24,6 +24,10 @@ pub struct TriangleBlock {
     corners: [[[f32; LANES]; 3]; 3],
     ids: [u32; LANES],
 }
+plain!(TriangleBlock {
+    corners: [[[f32; LANES]; 3]; 3],
+    ids: [u32; LANES]
+});
 
 impl TriangleBlock {
     /// Packs at most four triangles; their numbers should ascend.
@@ -46,6 +50,11 @@ impl TriangleBlock {
     /// The numbers of its triangles.
     pub fn ids(&self) -> &[u32] {
         &self.ids[..self.count()]
+    }
+
+    /// The numbers in all lanes, `u32::MAX` in one without.
+    pub fn lanes(&self) -> [u32; LANES] {
+        self.ids
     }
 
     /// One of its triangles, with its number; `None` in a lane without.

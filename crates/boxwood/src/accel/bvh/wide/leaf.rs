@@ -4,12 +4,12 @@ use crate::geometry::triangle::block::{BlockRay, LANES, Stop, TriangleBlock};
 use crate::primitive::{self, Primitives, Triangles};
 use crate::proximity::Numbered;
 use crate::query::{Counters, Query};
-use crate::simd::{Lanes, Pages, address};
+use crate::simd::{Lanes, Pages, address, words, words_mut};
 use core::ops::ControlFlow::{self, Break, Continue};
 use core::ops::Range;
 
 /// No primitive in this place.
-const NONE: u32 = u32::MAX;
+pub const NONE: u32 = u32::MAX;
 
 /// The blocks of all leaves. One of the lists is empty: which, is decided by [`Primitives::TRIANGLES`].
 #[derive(Clone, Debug, Default)]
@@ -24,15 +24,65 @@ impl Leaves {
 
     /// With room for so many blocks.
     pub fn with_capacity<P: Primitives>(blocks: usize) -> Self {
-        let (triangles, ids) = if P::TRIANGLES {
-            (blocks, 0)
-        } else {
-            (0, blocks)
-        };
+        let (triangles, ids) = Self::lists::<P>(blocks);
         Self {
             triangles: Pages::with_room(triangles),
             ids: Pages::with_room(ids),
         }
+    }
+
+    /// How many of so many blocks go to which list.
+    fn lists<P: Primitives>(blocks: usize) -> (usize, usize) {
+        if P::TRIANGLES {
+            (blocks, 0)
+        } else {
+            (0, blocks)
+        }
+    }
+
+    /// So many blocks of zeros, to be written over; `None` where there is no memory for them.
+    pub fn zeroed<P: Primitives>(blocks: usize) -> Option<Self> {
+        let (triangles, ids) = Self::lists::<P>(blocks);
+        Some(Self {
+            triangles: Pages::zeroed(triangles)?,
+            ids: Pages::zeroed(ids)?,
+        })
+    }
+
+    /// All blocks as words.
+    pub fn words(&self) -> &[u32] {
+        if self.triangles.is_empty() {
+            words(&self.ids)
+        } else {
+            words(&self.triangles)
+        }
+    }
+
+    /// The same, to be written.
+    pub fn words_mut(&mut self) -> &mut [u32] {
+        if self.triangles.is_empty() {
+            words_mut(&mut self.ids)
+        } else {
+            words_mut(&mut self.triangles)
+        }
+    }
+
+    /// The numbers in all places of a block; [`NONE`] in those without a primitive.
+    pub fn places(&self, block: usize) -> [u32; LANES] {
+        match self.triangles.get(block) {
+            Some(triangles) => triangles.lanes(),
+            None => self.ids[block],
+        }
+    }
+
+    /// Whether a block holds the corners of the triangles whose numbers it holds, bit by bit; these must be numbers of
+    /// triangles. Holds of anything that is no triangle.
+    pub fn is_of<P: Primitives>(&self, primitives: &P, block: usize, ids: &[u32]) -> bool {
+        let Some(found) = self.triangles.get(block) else {
+            return true;
+        };
+        let corners = |i| primitives.corners(i).expect("a triangle");
+        words(&[*found]) == words(&[TriangleBlock::new(ids, corners)])
     }
 
     /// Appends a leaf and says which blocks it got. The numbers must ascend.

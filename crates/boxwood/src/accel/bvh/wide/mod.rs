@@ -2,7 +2,8 @@
 //!
 //! *How it works.* `collapse` makes `N` children of two, at the least expected cost; `node` holds eight rows of `N` words and
 //! meets its boxes in lanes; `leaf` holds triangles lane by lane, or numbers of anything else; `traverse` is the one loop,
-//! compiled for every instruction set, and `scalar` the same box by box; `hierarchy` shows the nodes to questions about space.
+//! compiled for every instruction set, and `scalar` the same box by box; `hierarchy` shows the nodes to questions about space;
+//! `saved` puts trees into files, and `validate` looks at those that come from there.
 //!
 //! *Cost.* About 15 bytes of nodes and 45 of leaves for each triangle of a mesh; 16 and 6 for each of other primitives.
 //!
@@ -19,12 +20,17 @@ mod node;
 mod packet;
 mod plan;
 mod precision;
+mod saved;
 mod scalar;
 mod traverse;
+mod validate;
 
 pub use build::WideSah;
 pub use gathering::{Gathering, UnknownGathering};
 pub use precision::{Precision, UnknownPrecision};
+#[doc(hidden)]
+pub use saved::seal;
+pub use saved::{OpenError, SavedError};
 
 use crate::accel::limits::{Limits, Site, unlimited};
 use crate::accel::{BuildError, bvh::tree::BinaryTree};

@@ -2,7 +2,7 @@
 
 use crate::geometry::ray::Facing;
 use crate::geometry::{Aabb, Vec3};
-use crate::simd::{F, Floats, Lanes, Row, Rows};
+use crate::simd::{F, Floats, Lanes, Row, Rows, plain};
 
 /// A reference to a node or to a run of leaf blocks.
 ///
@@ -58,6 +58,7 @@ pub struct Node<const N: usize> {
     /// Eight lists of `N` nibbles, one per octant: the children from far to near.
     order: [u32; N],
 }
+plain!(Node<N> { planes: Rows<N, 6>, children: [u32; N], order: [u32; N] });
 
 impl<const N: usize> Node<N> {
     /// A node of at most `N` children. Unused slots hold a box that no ray enters.
@@ -116,6 +117,29 @@ impl<const N: usize> Node<N> {
                 u64::from(self.order[at]) | u64::from(self.order[at | 1]) << 32
             }
         }
+    }
+
+    /// Whether each of the eight lists names every lane once.
+    pub fn is_ordered(&self) -> bool {
+        (0..8).all(|octant| {
+            let order = self.order(octant);
+            let lanes = (0..N).map(|place| order >> (4 * place) & 15);
+            lanes.fold(0, |found, lane| found | 1_u32 << lane) == (1 << N) - 1
+        })
+    }
+
+    /// Whether no ray enters a slot without a child, and no box has a side that is no number.
+    pub fn is_closed(&self) -> bool {
+        (0..N).all(|lane| {
+            let Aabb { lower, upper } = self.bounds(lane);
+            if self.child(lane) == Child::NOTHING {
+                self.bounds(lane) == Aabb::EMPTY
+            } else {
+                !(lower.to_array().into_iter())
+                    .chain(upper.to_array())
+                    .any(f32::is_nan)
+            }
+        })
     }
 
     #[inline(always)]

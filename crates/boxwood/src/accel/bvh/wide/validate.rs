@@ -1,0 +1,283 @@
+//! Whether a wide tree is whole: that every ray gets the judge's answer, whoever made the tree.
+//!
+//! *How it works.* Children come after their parents and have one each, so there is no cycle; every box holds the boxes below it, every
+//! leaf's box its primitives, every block the corners that its triangles have in the mesh, and every primitive is in one leaf.
+//! From that follow the answers: all other numbers only say what comes first. Nodes are looked at by all threads.
+//!
+//! *Cost.* O(n): each node is read twice, each triangle once; a bit for each node, block and primitive.
+
+use super::WideBvh;
+use super::leaf::{Leaves, NONE};
+use super::node::Child;
+use crate::accel::bvh::MAX_DEPTH;
+use crate::geometry::Aabb;
+use crate::inspect::TreeFlaw;
+use crate::pieces;
+use crate::primitive::Primitives;
+use crate::simd::exactly;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+/// Nodes in a piece of work.
+const PIECE: usize = 512;
+
+impl<P: Primitives + Sync, const N: usize> WideBvh<P, N> {
+    /// Looks at all of the tree, in the caller's rayon pool: answers are those of the exhaustive test where nothing is found. That is
+    /// so for trees of this crate's builders; [`WideBvh::open`] asks it of files.
+    ///
+    /// Of primitives that are cut and lie in several leaves, it finds whether these reach as far as the primitive does. That no
+    /// part between them is missing remains the builder's promise, as it does for [`inspect::validate`](crate::inspect::validate).
+    ///
+    /// # Errors
+    /// The first flaw found.
+    pub fn validate(&self) -> Result<(), TreeFlaw> {
+        let (nodes, blocks) = (self.nodes.len(), self.leaves.len());
+        let marks = Marks {
+            nodes: Bits::new(nodes),
+            blocks: Bits::new(blocks),
+            primitives: Bits::new(self.primitives.len()),
+        };
+        let mut seen = exactly(|| self.root(&marks))?;
+        for piece in pieces::each(nodes.div_ceil(PIECE), |piece| {
+            let mut seen = Seen::NOTHING;
+            for node in piece * PIECE..nodes.min((piece + 1) * PIECE) {
+                self.node(node, &marks, &mut seen)?;
+            }
+            Ok(seen)
+        }) {
+            seen = seen.and(&piece?);
+        }
+        let missing = |flaw: fn(usize) -> TreeFlaw| move |place| Err(flaw(place));
+        let parentless = |node| TreeFlaw::Parents { node, parents: 0 };
+        let leafless = |place| TreeFlaw::Place { place, leaves: 0 };
+        let absent = |primitive| TreeFlaw::Times {
+            primitive,
+            times: 0,
+        };
+        (marks.nodes.first_unset()).map_or(Ok(()), missing(parentless))?;
+        (marks.blocks.first_unset()).map_or(Ok(()), missing(leafless))?;
+        (marks.primitives.first_unset()).map_or(Ok(()), missing(absent))?;
+        let whole = |is: bool, what| is.then_some(()).ok_or(TreeFlaw::Whole { what });
+        whole(self.cut == (seen.places > self.primitives.len()), "cut")?;
+        // Rays and their slack go by these: those of the judge, no others.
+        whole(self.bounds == seen.around, "bounds")?;
+        whole(self.scale == self.bounds.scale(), "bounds")?;
+        whole(self.depth == self.depth_of_nodes(), "depth")?;
+        if self.depth > MAX_DEPTH {
+            return Err(TreeFlaw::TooDeep { node: 0 });
+        }
+        if self.cut {
+            exactly(|| self.validate_parts())?;
+        }
+        Ok(())
+    }
+
+    /// Node 0, a leaf of all blocks, or nothing.
+    fn root(&self, marks: &Marks) -> Result<Seen, TreeFlaw> {
+        let mut seen = Seen::NOTHING;
+        let is_root = match (self.nodes.len(), self.leaves.len()) {
+            (0, 0) => self.root == Child::NOTHING,
+            (0, _) => self.root.is_leaf() && self.root != Child::NOTHING,
+            _ => self.root == Child::node(0),
+        };
+        if !is_root {
+            return Err(TreeFlaw::Whole { what: "root" });
+        }
+        if !self.nodes.is_empty() {
+            marks.nodes.set(0);
+            self.boxes_below(0, &self.bounds, 0)?;
+        } else if self.root != Child::NOTHING {
+            self.leaf(0, &self.bounds, self.root, marks, &mut seen)?;
+        }
+        Ok(seen)
+    }
+
+    /// A node, the boxes of the nodes below, and its leaves.
+    fn node(&self, index: usize, marks: &Marks, seen: &mut Seen) -> Result<(), TreeFlaw> {
+        let node = &self.nodes[index];
+        if !node.is_ordered() || !node.is_closed() {
+            return Err(TreeFlaw::Node { node: index });
+        }
+        for (_, bounds, child) in node.slots() {
+            if child.is_leaf() {
+                self.leaf(index, &bounds, child, marks, seen)?;
+                continue;
+            }
+            let below = child.index();
+            if below >= self.nodes.len() {
+                return Err(TreeFlaw::Dangling { node: index });
+            }
+            if below == 0 {
+                return Err(TreeFlaw::Root { node: index });
+            }
+            // Parents come first, so that nothing is its own grandparent.
+            if below <= index || marks.nodes.set(below) {
+                return Err(TreeFlaw::Parents {
+                    node: below,
+                    parents: 2,
+                });
+            }
+            self.boxes_below(below, &bounds, index)?;
+        }
+        Ok(())
+    }
+
+    /// Whether the box in which a node lies holds all of the node's own.
+    fn boxes_below(&self, index: usize, around: &Aabb, parent: usize) -> Result<(), TreeFlaw> {
+        if (self.nodes[index].slots()).all(|(_, bounds, _)| around.contains(&bounds)) {
+            Ok(())
+        } else {
+            Err(TreeFlaw::SticksOut { node: parent })
+        }
+    }
+
+    fn leaf(
+        &self,
+        node: usize,
+        around: &Aabb,
+        leaf: Child,
+        marks: &Marks,
+        seen: &mut Seen,
+    ) -> Result<(), TreeFlaw> {
+        let blocks = leaf.blocks();
+        if blocks.end > self.leaves.len() {
+            return Err(TreeFlaw::Dangling { node });
+        }
+        let mut before = None;
+        for block in blocks.clone() {
+            if marks.blocks.set(block) {
+                return Err(TreeFlaw::Place {
+                    place: block,
+                    leaves: 2,
+                });
+            }
+            let places = self.leaves.places(block);
+            let count = places.iter().take_while(|&&id| id != NONE).count();
+            let (ids, rest) = places.split_at(count);
+            let is_full = count == Leaves::LANES || (count > 0 && block + 1 == blocks.end);
+            if !is_full || rest.iter().any(|&id| id != NONE) {
+                return Err(TreeFlaw::Block { block });
+            }
+            for &id in ids {
+                let primitive = id as usize;
+                if primitive >= self.primitives.len() {
+                    return Err(TreeFlaw::Dangling { node });
+                }
+                // Of equal hits the first one counts.
+                if before.replace(id) >= Some(id) {
+                    return Err(TreeFlaw::Block { block });
+                }
+                if marks.primitives.set(primitive) && !self.cut {
+                    return Err(TreeFlaw::Times {
+                        primitive,
+                        times: 2,
+                    });
+                }
+                let bounds = self.primitives.bounds(primitive);
+                let holds = if self.cut {
+                    bounds.is_empty() || !around.intersection(bounds).is_empty()
+                } else {
+                    around.contains(&bounds)
+                };
+                if !holds {
+                    return Err(TreeFlaw::SticksOut { node });
+                }
+                seen.around = seen.around.union(bounds);
+            }
+            seen.places += count;
+            if !self.leaves.is_of(&self.primitives, block, ids) {
+                return Err(TreeFlaw::Block { block });
+            }
+        }
+        Ok(())
+    }
+
+    /// How many nodes lie above the deepest leaf, where children come after their parents.
+    fn depth_of_nodes(&self) -> usize {
+        let mut depths = vec![0_u32; self.nodes.len()];
+        let mut deepest = 0;
+        for (index, node) in self.nodes.iter().enumerate() {
+            let depth = depths[index] + 1;
+            deepest = deepest.max(depth);
+            for &child in node.children() {
+                if !Child(child).is_leaf() {
+                    depths[child as usize] = depth;
+                }
+            }
+        }
+        deepest as usize
+    }
+
+    /// Whether the leaves of each primitive together reach as far as it does.
+    fn validate_parts(&self) -> Result<(), TreeFlaw> {
+        let mut around = vec![Aabb::EMPTY; self.primitives.len()];
+        for (_, bounds, child) in self.nodes.iter().flat_map(|node| node.slots()) {
+            if child.is_leaf() {
+                for id in self.leaves.ids(child.blocks()) {
+                    let around = &mut around[id as usize];
+                    *around = around.union(bounds);
+                }
+            }
+        }
+        let sticks_out = |&i: &usize| !around[i].contains(&self.primitives.bounds(i));
+        match (0..around.len()).find(sticks_out) {
+            Some(primitive) => Err(TreeFlaw::Uncovered { primitive }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// What lies in some leaves.
+struct Seen {
+    /// Places with a primitive.
+    places: usize,
+    /// Around all of them.
+    around: Aabb,
+}
+
+impl Seen {
+    const NOTHING: Self = Self {
+        places: 0,
+        around: Aabb::EMPTY,
+    };
+
+    fn and(&self, other: &Self) -> Self {
+        Self {
+            places: self.places + other.places,
+            around: self.around.union(other.around),
+        }
+    }
+}
+
+/// What has been named.
+struct Marks {
+    nodes: Bits,
+    blocks: Bits,
+    primitives: Bits,
+}
+
+/// A row of bits that threads set together.
+struct Bits {
+    words: Vec<AtomicU32>,
+    len: usize,
+}
+
+impl Bits {
+    fn new(len: usize) -> Self {
+        let words = (0..len.div_ceil(32)).map(|_| AtomicU32::new(0)).collect();
+        Self { words, len }
+    }
+    /// Sets a bit; whether it was set before.
+    fn set(&self, i: usize) -> bool {
+        let bit = 1 << (i % 32);
+        self.words[i / 32].fetch_or(bit, Relaxed) & bit != 0
+    }
+    fn first_unset(&self) -> Option<usize> {
+        let (word, bits) = self.words.iter().enumerate().find_map(|(i, word)| {
+            let bits = word.load(Relaxed);
+            (bits != u32::MAX).then_some((i, bits))
+        })?;
+        Some(32 * word + bits.trailing_ones() as usize).filter(|&i| i < self.len)
+    }
+}
