@@ -13,3 +13,15 @@ pub fn each<T: Send>(count: usize, piece: impl Fn(usize) -> T + Sync + Send) -> 
     #[cfg(not(feature = "parallel"))]
     crate::simd::exactly(|| (0..count).map(piece).collect())
 }
+
+/// What becomes of each of some things, in order.
+pub fn each_of<A: Send, T: Send>(things: Vec<A>, piece: impl Fn(A) -> T + Sync + Send) -> Vec<T> {
+    #[cfg(feature = "parallel")]
+    {
+        use crate::threads::Exactly;
+        use rayon::prelude::*;
+        things.into_par_iter().exactly().map(piece).collect()
+    }
+    #[cfg(not(feature = "parallel"))]
+    crate::simd::exactly(|| things.into_iter().map(piece).collect())
+}

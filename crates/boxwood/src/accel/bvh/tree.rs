@@ -49,3 +49,28 @@ pub struct BinaryTree {
     /// Primitives in leaf order.
     pub order: Vec<u32>,
 }
+
+impl BinaryTree {
+    /// Whether the nodes lie as a ray meets them: every pair of children, then what is below the first, then what is below the
+    /// second. Builders and refinements leave them so.
+    pub(crate) fn is_depth_first(&self) -> bool {
+        let mut open = Vec::with_capacity(MAX_DEPTH);
+        let (mut next, mut node) = (1, self.nodes.first());
+        while let Some(this) = node {
+            if this.is_leaf() {
+                node = open.pop();
+                continue;
+            }
+            let first = this.first as usize;
+            let Some([left, right]) = self.nodes.get(first..first + 2) else {
+                return false;
+            };
+            if first != next {
+                return false;
+            }
+            open.push(right);
+            (next, node) = (next + 2, Some(left));
+        }
+        next >= self.nodes.len()
+    }
+}

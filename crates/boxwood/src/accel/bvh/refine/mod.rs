@@ -80,6 +80,12 @@ impl Refine {
     }
 }
 
+/// The same tree with its nodes depth-first: every pair of children, then what lies below the first, then what lies below the second.
+pub(crate) fn depth_first(mut tree: BinaryTree) -> BinaryTree {
+    lay_out::lay_out(&mut tree, |_| false);
+    tree
+}
+
 /// A round of reinsertion takes as long as so many levels of a build.
 /// Searches tell of two of them, one for each node.
 const REINSERTION_WORK: usize = 8;

@@ -18,18 +18,43 @@ pub struct Leaves {
     ids: Pages<[u32; LANES]>,
 }
 
+/// Some blocks, to be written.
+pub struct Blocks<'a> {
+    triangles: &'a mut [TriangleBlock],
+    ids: &'a mut [[u32; LANES]],
+}
+
+impl<'a> Blocks<'a> {
+    /// Takes the first ones off.
+    pub fn take(&mut self, count: usize) -> Blocks<'a> {
+        fn take<'a, T>(list: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+            let all = core::mem::take(list);
+            let (taken, rest) = all.split_at_mut(count.min(all.len()));
+            *list = rest;
+            taken
+        }
+        Blocks {
+            triangles: take(&mut self.triangles, count),
+            ids: take(&mut self.ids, count),
+        }
+    }
+
+    /// Writes a leaf into them. The numbers must ascend.
+    pub fn write<P: Primitives>(self, primitives: &P, ids: &[u32]) {
+        let corners = |i| primitives.corners(i).expect("a triangle");
+        for (block, ids) in self.triangles.iter_mut().zip(ids.chunks(LANES)) {
+            *block = TriangleBlock::new(ids, corners);
+        }
+        for (block, ids) in self.ids.iter_mut().zip(ids.chunks(LANES)) {
+            *block = [NONE; LANES];
+            block[..ids.len()].copy_from_slice(ids);
+        }
+    }
+}
+
 impl Leaves {
     /// How many primitives a block holds.
     pub const LANES: usize = LANES;
-
-    /// With room for so many blocks.
-    pub fn with_capacity<P: Primitives>(blocks: usize) -> Self {
-        let (triangles, ids) = Self::lists::<P>(blocks);
-        Self {
-            triangles: Pages::with_room(triangles),
-            ids: Pages::with_room(ids),
-        }
-    }
 
     /// How many of so many blocks go to which list.
     fn lists<P: Primitives>(blocks: usize) -> (usize, usize) {
@@ -85,20 +110,12 @@ impl Leaves {
         words(&[*found]) == words(&[TriangleBlock::new(ids, corners)])
     }
 
-    /// Appends a leaf and says which blocks it got. The numbers must ascend.
-    pub fn push<P: Primitives>(&mut self, primitives: &P, ids: &[u32]) -> Range<usize> {
-        let first = self.len();
-        for ids in ids.chunks(LANES) {
-            if P::TRIANGLES {
-                let corners = |i| primitives.corners(i).expect("a triangle");
-                self.triangles.push(TriangleBlock::new(ids, corners));
-            } else {
-                let mut block = [NONE; LANES];
-                block[..ids.len()].copy_from_slice(ids);
-                self.ids.push(block);
-            }
+    /// All blocks, to be written.
+    pub fn blocks(&mut self) -> Blocks<'_> {
+        Blocks {
+            triangles: &mut self.triangles,
+            ids: &mut self.ids,
         }
-        first..self.len()
     }
 
     /// How many blocks.

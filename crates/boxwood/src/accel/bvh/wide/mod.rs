@@ -32,8 +32,10 @@ pub use precision::{Precision, UnknownPrecision};
 pub use saved::seal;
 pub use saved::{OpenError, SavedError};
 
+use crate::accel::BuildError;
+use crate::accel::bvh::refine;
+use crate::accel::bvh::tree::BinaryTree;
 use crate::accel::limits::{Limits, Site, unlimited};
-use crate::accel::{BuildError, bvh::tree::BinaryTree};
 use crate::geometry::triangle::block::Stop;
 use crate::geometry::{Aabb, PreparedRay, Ray};
 use crate::inspect::{self, Cell, Statistics, TreeFlaw};
@@ -71,7 +73,7 @@ pub struct WideBvh<P, const N: usize> {
 /// Most primitives that are brought together into one leaf, unless the binary tree has larger ones.
 const MAX_LEAF: usize = 2 * Leaves::LANES;
 
-impl<P: Primitives, const N: usize> WideBvh<P, N>
+impl<P: Primitives + Sync, const N: usize> WideBvh<P, N>
 where
     Level: Vectorize<N>,
 {
@@ -116,28 +118,36 @@ where
         let most = tree.order.iter().max().map_or(0, |&id| id as usize + 1);
         let fits = most == primitives.len() && tree.nodes.is_empty() == tree.order.is_empty();
         assert!(fits, "a tree for other primitives");
+        let laid_out;
+        let tree = if tree.is_depth_first() {
+            tree
+        } else {
+            laid_out = refine::depth_first(tree.clone());
+            &laid_out
+        };
         // Every node is looked at twice: when it is weighed, and when it finds its place.
         let site = Site::new(limits, tree.nodes.len());
         let given = size_of_val(&*tree.nodes) + size_of_val(&*tree.order);
         // Where there is no room for it, the build is over, and `finish` says so.
         site.take(given);
-        let (root, nodes, leaves, depth) =
-            collapse::collapse(&primitives, tree, MAX_LEAF, gathering, &site)?;
+        let wide = collapse::collapse(&primitives, tree, MAX_LEAF, gathering, &site)?;
         let bounds = tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds);
         site.finish(Self {
             cut: tree.order.len() > primitives.len(),
             bounds,
             scale: bounds.scale(),
             primitives,
-            root,
-            nodes,
-            leaves,
+            root: wide.root,
+            nodes: wide.nodes,
+            leaves: wide.leaves,
             isa: Isa::best(),
             precision: Precision::Exact,
-            depth,
+            depth: wide.depth,
         })
     }
+}
 
+impl<P: Primitives, const N: usize> WideBvh<P, N> {
     /// The same tree, walked with a chosen instruction set.
     #[must_use]
     pub fn with_isa(self, isa: Isa) -> Self {

@@ -79,29 +79,48 @@ impl<const N: usize> Node<N> {
                 node.planes.0[2 * axis + 1][lane] = bounds.upper[axis];
             }
         }
-        for octant in 0..8 {
-            node.set_order(octant, children);
-        }
+        node.set_orders(children.len());
         node
     }
 
-    fn set_order(&mut self, octant: usize, children: &[(Aabb, Child)]) {
-        let mut keys = [f32::INFINITY; N];
-        for (key, (bounds, _)) in keys.iter_mut().zip(children) {
-            *key = (0..3).fold(0.0, |sum, axis| {
-                let middle = bounds.lower[axis] + bounds.upper[axis];
-                if octant >> axis & 1 == 1 {
-                    sum - middle
-                } else {
-                    sum + middle
-                }
-            });
+    /// From far to near by their middles, after slots without a child.
+    fn set_orders(&mut self, count: usize) {
+        let mut middles = [[0.0; N]; 3];
+        for (axis, row) in middles.iter_mut().enumerate() {
+            for lane in 0..N {
+                row[lane] = self.planes.0[2 * axis][lane] + self.planes.0[2 * axis + 1][lane];
+            }
         }
-        let mut lanes: [usize; N] = core::array::from_fn(|lane| lane);
-        lanes.sort_by(|&a, &b| keys[b].total_cmp(&keys[a]));
-        for (place, lane) in lanes.into_iter().enumerate() {
-            let nibble = octant * N + place;
-            self.order[nibble / 8] |= (lane as u32) << (4 * (nibble % 8));
+        let [x, y, z] = middles;
+        for octant in 0..4 {
+            let [sx, sy] = [octant & 1, octant >> 1].map(|down| if down == 1 { -1.0 } else { 1.0 });
+            let mut keys = [0_i32; N];
+            for lane in 0..N {
+                let bits = (sx * x[lane] + sy * y[lane] + z[lane]).to_bits() as i32;
+                // Negative floats ascend when all bits but the sign are flipped: then NaN has a place too. The last bits make a
+                // number of each lane that no other has.
+                let ascending = bits ^ ((bits >> 31) as u32 >> 1) as i32;
+                keys[lane] = ascending & !(N as i32 - 1) | lane as i32;
+            }
+            let mut farther = [0_u32; N];
+            for &key in &keys[..count] {
+                for lane in 0..N {
+                    farther[lane] += u32::from(key > keys[lane]);
+                }
+            }
+            for lane in 0..N {
+                let place = farther[lane] as usize;
+                let [there, back] = if lane < count {
+                    // What is far one way is near the other way.
+                    [N - count + place, N - 1 - place]
+                } else {
+                    [lane - count; 2]
+                };
+                for (octant, place) in [(octant, there), (7 - octant, back)] {
+                    let nibble = octant * N + place;
+                    self.order[nibble / 8] |= (lane as u32) << (4 * (nibble % 8));
+                }
+            }
         }
     }
 

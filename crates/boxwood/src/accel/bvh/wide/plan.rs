@@ -4,7 +4,9 @@
 //! a parent is found from the ways of its two halves: as one node of its own, as one leaf, or with its halves side by
 //! side. The choices are kept, and read from the root down.
 //!
-//! *Cost.* O(n N²) time; `N + 4` bytes for each inner node of the binary tree and 4 for each leaf.
+//! A subtree of few leaves needs few places, and most are such. Subtrees are weighed side by side.
+//!
+//! *Cost.* O(n N) time; `N + 12` bytes for each inner node of the binary tree.
 //!
 //! *Source.* Ylitie, Karras & Laine 2017, *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, section
 //! 4.1 (after Wald, Benthin & Boulos 2008).
@@ -15,6 +17,8 @@ use crate::accel::bvh::tree::BinaryTree;
 use crate::accel::limits::Site;
 use crate::accel::sah::half_area;
 use crate::primitive::Primitives;
+#[cfg(feature = "parallel")]
+use crate::threads;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -25,20 +29,37 @@ const NODE_COST: f32 = 1.5;
 pub struct Plan<'a, const N: usize> {
     tree: &'a BinaryTree,
     gathering: Gathering,
-    /// Most primitives in a leaf that is made of a subtree.
-    max_leaf: usize,
-    /// For each inner node and each number of places `j`, how many of them its first half gets (at `j − 1`): 0 where it takes
-    /// one place less. For one place: how many the first half gets in a node of its own, 0 where it becomes a leaf.
-    choices: Vec<[u8; N]>,
-    /// For each node, how much surface there is below for each unit of expected cost.
-    promises: Vec<f32>,
+    /// In the order of the tree, where pairs of children lie side by side from node 1 on.
+    pairs: Vec<Pair<N>>,
+}
+
+/// What is known of two nodes side by side, and of the one above them.
+#[derive(Clone, Copy)]
+struct Pair<const N: usize> {
+    /// For each number of places `j` of the node above, how many of them the first gets (at `j − 1`): 0 where the node takes
+    /// one place less. For one place: how many the first gets in a wide node of its own, 0 where both become one leaf.
+    choices: [u8; N],
+    /// For each, how much surface there is below for each unit of expected cost.
+    promises: [f32; 2],
+    /// How many primitives there are below both.
+    primitives: u32,
+}
+
+impl<const N: usize> Pair<N> {
+    const BLANK: Self = Self {
+        choices: [0; N],
+        promises: [0.0; 2],
+        primitives: 0,
+    };
 }
 
 /// What is known of a subtree.
 struct Below<const N: usize> {
     /// The expected cost by number of places.
     costs: [f32; N],
-    primitives: usize,
+    /// The most places that it can use, and as many costs as are known.
+    places: usize,
+    primitives: u32,
     /// Of all primitives below.
     surface: f32,
 }
@@ -46,127 +67,59 @@ struct Below<const N: usize> {
 impl<const N: usize> Below<N> {
     const NOTHING: Self = Self {
         costs: [0.0; N],
+        places: 1,
         primitives: 0,
         surface: 0.0,
     };
+
+    fn promise(&self) -> f32 {
+        self.surface / self.costs[0]
+    }
 }
 
 impl<'a, const N: usize> Plan<'a, N> {
-    /// Makes the plan; empty where the site says that the build is over.
-    pub fn new<P: Primitives>(
+    /// Makes the plan for a tree that lies [depth-first](BinaryTree::is_depth_first); empty where the site says that the build
+    /// is over. Leaves that are made of subtrees have at most `max_leaf` primitives.
+    pub fn new<P: Primitives + Sync>(
         primitives: &P,
         tree: &'a BinaryTree,
         max_leaf: usize,
         gathering: Gathering,
         site: &Site<'_>,
     ) -> Self {
-        let mut plan = Self {
+        let mut pairs = Vec::new();
+        let count = tree.nodes.len() / 2;
+        if !tree.nodes.is_empty() && site.take(count * size_of::<Pair<N>>()) {
+            pairs = vec![Pair::BLANK; count];
+            let scales = Scales {
+                tree,
+                primitives,
+                gathering,
+                max_leaf: max_leaf as u32,
+                site,
+            };
+            scales.weigh(0, &mut pairs);
+        }
+        Self {
             tree,
             gathering,
-            max_leaf,
-            choices: Vec::new(),
-            promises: Vec::new(),
-        };
-        let (nodes, inner) = (tree.nodes.len(), tree.nodes.len() / 2);
-        if nodes > 0 && site.take(inner * size_of::<[u8; N]>() + nodes * size_of::<f32>()) {
-            plan.choices = vec![[0; N]; inner];
-            plan.promises = vec![0.0; nodes];
-            plan.weigh(primitives, 0, site);
+            pairs,
         }
-        plan
     }
 
     /// Bytes taken.
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.choices) + size_of_val(&*self.promises)
+        size_of_val(&*self.pairs)
     }
 
-    fn weigh<P: Primitives>(&mut self, primitives: &P, index: usize, site: &Site<'_>) -> Below<N> {
-        let node = self.tree.nodes[index];
-        let area = half_area(&node.bounds) as f32;
-        let leaf = |count: usize| area * count.div_ceil(Leaves::LANES) as f32;
-        let below = if node.is_leaf() {
-            let ids = &self.tree.order[node.places()];
-            Below {
-                costs: [leaf(ids.len()); N],
-                primitives: ids.len(),
-                surface: ids.iter().map(|&id| surface(primitives, id as usize)).sum(),
-            }
-        } else {
-            if !site.advance(1) {
-                return Below::NOTHING;
-            }
-            let [a, b] = node
-                .children()
-                .map(|child| self.weigh(primitives, child, site));
-            let count = a.primitives + b.primitives;
-            if self.gathering == Gathering::Greedy {
-                return self.weigh_greedily(index, area, [a, b]);
-            }
-            let mut costs = [f32::INFINITY; N];
-            let mut choice = [0; N];
-            for j in 2..=N {
-                for k in 1..j {
-                    let cost = a.costs[k - 1] + b.costs[j - k - 1];
-                    if cost < costs[j - 1] {
-                        (costs[j - 1], choice[j - 1]) = (cost, k as u8);
-                    }
-                }
-            }
-            let (own, together) = (area * NODE_COST + costs[N - 1], leaf(count));
-            // Written so that boxes without area, or with an infinite one, stay together.
-            (costs[0], choice[0]) = if count <= self.max_leaf && !(own < together) {
-                (together, 0)
-            } else {
-                // Costs may be infinite or NaN: then any way does.
-                (own, choice[N - 1].max(1))
-            };
-            for j in 1..N {
-                if !(costs[j] < costs[j - 1]) {
-                    (costs[j], choice[j]) = (costs[j - 1], 0);
-                }
-            }
-            let place = self.inner(index);
-            self.choices[place] = choice;
-            Below {
-                costs,
-                primitives: count,
-                surface: a.surface + b.surface,
-            }
-        };
-        self.promises[index] = below.surface / below.costs[0];
-        below
-    }
-
-    /// Of a subtree with two halves where nothing is chosen: what fits into a block becomes a leaf.
-    fn weigh_greedily(&mut self, index: usize, area: f32, [a, b]: [Below<N>; 2]) -> Below<N> {
-        let primitives = a.primitives + b.primitives;
-        let fits = primitives <= Leaves::LANES;
-        let place = self.inner(index);
-        self.choices[place][0] = u8::from(!fits);
-        let cost = if fits {
-            area
-        } else {
-            // Of a node's places each has a share.
-            area * NODE_COST / (N - 1) as f32 + a.costs[0] + b.costs[0]
-        };
-        let surface = a.surface + b.surface;
-        self.promises[index] = surface / cost;
-        Below {
-            costs: [cost; N],
-            primitives,
-            surface,
-        }
-    }
-
-    /// The number of an inner node among its like: pairs of children lie side by side from node 1 on.
-    fn inner(&self, index: usize) -> usize {
-        (self.tree.nodes[index].first as usize - 1) / 2
+    /// What is known of the children of an inner node.
+    fn pair(&self, index: usize) -> &Pair<N> {
+        &self.pairs[(self.tree.nodes[index].first as usize - 1) / 2]
     }
 
     /// Whether a subtree that takes one place is a leaf.
     pub fn is_leaf(&self, index: usize) -> bool {
-        self.tree.nodes[index].is_leaf() || self.choices[self.inner(index)][0] == 0
+        self.tree.nodes[index].is_leaf() || self.pair(index).choices[0] == 0
     }
 
     /// The children of the wide node made of a subtree; the last one is the one where a ray finds some hit soonest.
@@ -177,7 +130,7 @@ impl<'a, const N: usize> Plan<'a, N> {
         let [a, b] = self.tree.nodes[index].children();
         match self.gathering {
             Gathering::Optimal => {
-                let for_first = usize::from(self.choices[self.inner(index)][0]);
+                let for_first = usize::from(self.pair(index).choices[0]);
                 self.places(a, for_first, found);
                 self.places(b, N - for_first, found);
             }
@@ -192,7 +145,12 @@ impl<'a, const N: usize> Plan<'a, N> {
                 }
             }
         }
-        found.sort_by(|&a, &b| self.promises[a].total_cmp(&self.promises[b]));
+        found.sort_by(|&a, &b| self.promise(a).total_cmp(&self.promise(b)));
+    }
+
+    /// How much surface there is below a node, but the root, for each unit of expected cost.
+    fn promise(&self, index: usize) -> f32 {
+        self.pairs[(index - 1) / 2].promises[(index - 1) % 2]
     }
 
     /// Which of some nodes that can be opened has the most surface.
@@ -206,7 +164,7 @@ impl<'a, const N: usize> Plan<'a, N> {
     /// The nodes that take so many places for a subtree.
     fn places(&self, index: usize, mut count: usize, found: &mut Vec<usize>) {
         while count > 1 && !self.tree.nodes[index].is_leaf() {
-            let for_first = usize::from(self.choices[self.inner(index)][count - 1]);
+            let for_first = usize::from(self.pair(index).choices[count - 1]);
             if for_first > 0 {
                 let [a, b] = self.tree.nodes[index].children();
                 self.places(a, for_first, found);
@@ -222,27 +180,158 @@ impl<'a, const N: usize> Plan<'a, N> {
     pub fn count(&self, index: usize) -> usize {
         let node = &self.tree.nodes[index];
         if node.is_leaf() {
-            return node.count as usize;
+            node.count as usize
+        } else {
+            self.pair(index).primitives as usize
         }
-        node.children().map(|child| self.count(child)).iter().sum()
     }
 
     /// The primitives of a subtree, ascending and each once, so that of equal hits the first is right; spatial splits may
     /// have brought parts together again.
     pub fn primitives(&self, index: usize, ids: &mut Vec<u32>) {
         ids.clear();
-        let mut open = vec![index];
-        while let Some(index) = open.pop() {
-            let node = &self.tree.nodes[index];
-            if node.is_leaf() {
-                ids.extend_from_slice(&self.tree.order[node.places()]);
-            } else {
-                open.extend(node.children());
-            }
-        }
+        self.list(index, ids);
         ids.sort_unstable();
         ids.dedup();
     }
+
+    fn list(&self, index: usize, ids: &mut Vec<u32>) {
+        let node = &self.tree.nodes[index];
+        if node.is_leaf() {
+            ids.extend_from_slice(&self.tree.order[node.places()]);
+        } else {
+            for child in node.children() {
+                self.list(child, ids);
+            }
+        }
+    }
+}
+
+/// What weighs subtrees.
+struct Scales<'a, P> {
+    tree: &'a BinaryTree,
+    primitives: &'a P,
+    gathering: Gathering,
+    max_leaf: u32,
+    site: &'a Site<'a>,
+}
+
+/// Subtrees of fewer inner nodes are weighed by one thread.
+#[cfg(feature = "parallel")]
+const SEQUENTIAL: usize = 1024;
+
+impl<P: Primitives + Sync> Scales<'_, P> {
+    /// Weighs a subtree, whose pairs are given.
+    fn weigh<const N: usize>(&self, index: usize, pairs: &mut [Pair<N>]) -> Below<N> {
+        let node = &self.tree.nodes[index];
+        let area = half_area(&node.bounds) as f32;
+        let [own, below @ ..] = pairs else {
+            let ids = self.tree.order.get(node.places()).unwrap_or(&[]);
+            let surfaces = ids.iter().map(|&id| surface(self.primitives, id as usize));
+            return Below {
+                costs: [leaf_cost(area, node.count); N],
+                places: 1,
+                primitives: node.count,
+                surface: surfaces.sum(),
+            };
+        };
+        if !self.site.advance(1) {
+            return Below::NOTHING;
+        }
+        let [a, b] = node.children();
+        // The pairs below the right child come last.
+        let right = &self.tree.nodes[b];
+        let of_left = if right.is_leaf() {
+            below.len()
+        } else {
+            (right.first - node.first) as usize / 2 - 1
+        };
+        #[cfg(feature = "parallel")]
+        let many = below.len() > SEQUENTIAL;
+        let (left, right) = below.split_at_mut(of_left);
+        #[cfg(feature = "parallel")]
+        let halves = if many {
+            let (a, b) = threads::join(|| self.weigh(a, left), || self.weigh(b, right));
+            [a, b]
+        } else {
+            [self.weigh(a, left), self.weigh(b, right)]
+        };
+        #[cfg(not(feature = "parallel"))]
+        let halves = [self.weigh(a, left), self.weigh(b, right)];
+        own.promises = [halves[0].promise(), halves[1].promise()];
+        own.primitives = halves[0].primitives + halves[1].primitives;
+        match self.gathering {
+            Gathering::Optimal => self.choose(area, &halves, own),
+            Gathering::Greedy => self.join(area, &halves, own),
+        }
+    }
+
+    /// Chooses how many places each half gets.
+    fn choose<const N: usize>(
+        &self,
+        area: f32,
+        [a, b]: &[Below<N>; 2],
+        own: &mut Pair<N>,
+    ) -> Below<N> {
+        let mut costs = [f32::INFINITY; N];
+        let choices = &mut own.choices;
+        let places = (a.places + b.places).min(N);
+        for j in 2..=places {
+            for k in j.saturating_sub(b.places).max(1)..=a.places.min(j - 1) {
+                let cost = a.costs[k - 1] + b.costs[j - k - 1];
+                if cost < costs[j - 1] {
+                    (costs[j - 1], choices[j - 1]) = (cost, k as u8);
+                }
+            }
+        }
+        let apart = area * NODE_COST + costs[places - 1];
+        let together = leaf_cost(area, own.primitives);
+        // Written so that boxes without area, or with an infinite one, stay together.
+        (costs[0], choices[0]) = if own.primitives <= self.max_leaf && !(apart < together) {
+            (together, 0)
+        } else {
+            // Costs may be infinite or NaN: then any way does.
+            (apart, choices[places - 1].max(1))
+        };
+        for j in 1..places {
+            if !(costs[j] < costs[j - 1]) {
+                (costs[j], choices[j]) = (costs[j - 1], 0);
+            }
+        }
+        Below {
+            costs,
+            places,
+            primitives: own.primitives,
+            surface: a.surface + b.surface,
+        }
+    }
+
+    /// Of a subtree with two halves where nothing is chosen: what fits into a block becomes a leaf.
+    fn join<const N: usize>(
+        &self,
+        area: f32,
+        [a, b]: &[Below<N>; 2],
+        own: &mut Pair<N>,
+    ) -> Below<N> {
+        let fits = own.primitives as usize <= Leaves::LANES;
+        own.choices[0] = u8::from(!fits);
+        let cost = if fits {
+            area
+        } else {
+            // Of a node's places each has a share.
+            area * NODE_COST / (N - 1) as f32 + a.costs[0] + b.costs[0]
+        };
+        Below {
+            costs: [cost; N],
+            places: 1,
+            primitives: own.primitives,
+            surface: a.surface + b.surface,
+        }
+    }
+}
+
+fn leaf_cost(area: f32, primitives: u32) -> f32 {
+    area * primitives.div_ceil(Leaves::LANES as u32) as f32
 }
 
 /// The surface of a primitive; of one that is not a triangle, roughly.
