@@ -3,11 +3,13 @@
 //! *How it works.* Every thread has a float mode of its own, and those of a pool have it from whoever started them. So what
 //! rayon's threads are given looks at the mode when it begins: halves in [`join`], and pieces of a parallel iterator after
 //! [`Exactly::exactly`]. What follows that call is covered (maps, folds, what joins two results); what precedes it should
-//! only number and cut.
+//! only number and cut, and what takes several side by side (`zip`, `chunks`) belongs before it.
 
 use crate::simd::exactly;
-use rayon::iter::ParallelIterator;
-use rayon::iter::plumbing::{Consumer, Folder, Reducer, UnindexedConsumer};
+use rayon::iter::plumbing::{
+    Consumer, Folder, Producer, ProducerCallback, Reducer, UnindexedConsumer,
+};
+use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 
 /// [`rayon::join`] of two halves.
 pub fn join<A: Send, B: Send>(
@@ -37,6 +39,46 @@ impl<I: ParallelIterator> ParallelIterator for Exact<I> {
     }
     fn opt_len(&self) -> Option<usize> {
         self.0.opt_len()
+    }
+}
+
+impl<I: IndexedParallelIterator> IndexedParallelIterator for Exact<I> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    fn drive<C: Consumer<I::Item>>(self, consumer: C) -> C::Result {
+        self.0.drive(Exact(consumer))
+    }
+    fn with_producer<B: ProducerCallback<I::Item>>(self, callback: B) -> B::Output {
+        self.0.with_producer(Exact(callback))
+    }
+}
+
+impl<T, B: ProducerCallback<T>> ProducerCallback<T> for Exact<B> {
+    type Output = B::Output;
+    fn callback<P: Producer<Item = T>>(self, producer: P) -> B::Output {
+        self.0.callback(Exact(producer))
+    }
+}
+
+impl<P: Producer> Producer for Exact<P> {
+    type Item = P::Item;
+    type IntoIter = P::IntoIter;
+    fn into_iter(self) -> P::IntoIter {
+        self.0.into_iter()
+    }
+    fn min_len(&self) -> usize {
+        self.0.min_len()
+    }
+    fn max_len(&self) -> usize {
+        self.0.max_len()
+    }
+    fn split_at(self, index: usize) -> (Self, Self) {
+        let (left, right) = self.0.split_at(index);
+        (Exact(left), Exact(right))
+    }
+    fn fold_with<F: Folder<P::Item>>(self, folder: F) -> F {
+        exactly(|| self.0.fold_with(folder))
     }
 }
 

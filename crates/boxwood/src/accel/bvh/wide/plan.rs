@@ -217,7 +217,6 @@ struct Scales<'a, P> {
 }
 
 /// Subtrees of fewer inner nodes are weighed by one thread.
-#[cfg(feature = "parallel")]
 const SEQUENTIAL: usize = 1024;
 
 impl<P: Primitives + Sync> Scales<'_, P> {
@@ -235,9 +234,6 @@ impl<P: Primitives + Sync> Scales<'_, P> {
                 surface: surfaces.sum(),
             };
         };
-        if !self.site.advance(1) {
-            return Below::NOTHING;
-        }
         let [a, b] = node.children();
         // The pairs below the right child come last.
         let right = &self.tree.nodes[b];
@@ -246,8 +242,10 @@ impl<P: Primitives + Sync> Scales<'_, P> {
         } else {
             (right.first - node.first) as usize / 2 - 1
         };
-        #[cfg(feature = "parallel")]
         let many = below.len() > SEQUENTIAL;
+        if many && !self.site.advance(SEQUENTIAL) {
+            return Below::NOTHING;
+        }
         let (left, right) = below.split_at_mut(of_left);
         #[cfg(feature = "parallel")]
         let halves = if many {
