@@ -74,6 +74,8 @@ struct Size {
     blocks: usize,
     /// The same of the children, where there is much below.
     children: Vec<Size>,
+    /// Where there is less: how many children each node has that the subtree becomes, and which, from the root down.
+    script: Vec<u32>,
 }
 
 /// Subtrees of fewer primitives are written by one thread.
@@ -131,7 +133,7 @@ impl<P: Primitives + Sync, const N: usize> Collapse<'_, P, N> {
             (self.leaf(0, &mut places, &mut ids), 0)
         } else {
             let top = places.take(1, 0);
-            let (node, depth) = self.node(0, &size.children, &mut places, &mut ids);
+            let (node, depth) = self.node(0, &size, &mut places, &mut ids);
             top.nodes[0] = node;
             (Child::node(0), depth)
         };
@@ -151,24 +153,37 @@ impl<P: Primitives + Sync, const N: usize> Collapse<'_, P, N> {
                 ..Size::default()
             };
         }
+        let mut size = Size::default();
+        if self.plan.count(index) < MUCH {
+            self.read(index, &mut size, &mut Vec::with_capacity(N));
+            return size;
+        }
         let mut children = Vec::with_capacity(N);
         self.plan.children(index, &mut children);
-        let mut size = Size {
-            nodes: 1,
-            ..Size::default()
-        };
-        if self.plan.count(index) < MUCH {
-            for &child in &children {
-                let below = self.size(child);
-                (size.nodes, size.blocks) = (size.nodes + below.nodes, size.blocks + below.blocks);
-            }
-        } else {
-            size.children = pieces::each(children.len(), |i| self.size(children[i]));
-            for below in &size.children {
-                (size.nodes, size.blocks) = (size.nodes + below.nodes, size.blocks + below.blocks);
-            }
+        size.nodes = 1;
+        size.children = pieces::each(children.len(), |i| self.size(children[i]));
+        for below in &size.children {
+            (size.nodes, size.blocks) = (size.nodes + below.nodes, size.blocks + below.blocks);
         }
         size
+    }
+
+    /// Writes down what becomes of a subtree that is no leaf.
+    fn read(&self, index: usize, size: &mut Size, children: &mut Vec<usize>) {
+        self.plan.children(index, children);
+        size.nodes += 1;
+        size.script.push(children.len() as u32);
+        let at = size.script.len();
+        size.script
+            .extend(children.iter().map(|&child| child as u32));
+        for place in at..size.script.len() {
+            let child = size.script[place] as usize;
+            if self.plan.is_leaf(child) {
+                size.blocks += self.blocks(child);
+            } else {
+                self.read(child, size, children);
+            }
+        }
     }
 
     /// How many blocks a leaf takes.
@@ -196,64 +211,77 @@ impl<P: Primitives + Sync, const N: usize> Collapse<'_, P, N> {
     fn node(
         &self,
         index: usize,
-        sizes: &[Size],
+        size: &Size,
         places: &mut Places<'_, N>,
         ids: &mut Vec<u32>,
     ) -> (Node<N>, usize) {
+        if !size.script.is_empty() {
+            return self.by_script(&mut &size.script[..], places, ids);
+        }
         let mut children = Vec::with_capacity(N);
         self.plan.children(index, &mut children);
-        let is_node = |&&index: &&usize| !self.plan.is_leaf(index);
-        let below = places.take(children.iter().filter(is_node).count(), 0);
-        let mut slots = [(Aabb::EMPTY, Child::NOTHING); N];
-        let mut next = below.first_node;
-        for (slot, &index) in slots.iter_mut().zip(&children) {
-            let child = if self.plan.is_leaf(index) {
-                self.leaf(index, places, ids)
-            } else {
-                next += 1;
-                Child::node(next - 1)
-            };
-            *slot = (self.tree.nodes[index].bounds, child);
-        }
-        let node = Node::new(&slots[..children.len()]);
+        let children = children.iter().map(|&child| child as u32);
+        let children: Vec<u32> = children.collect();
+        let (node, to) = self.top(&children, places, ids);
+        let inner = children.iter().zip(&size.children);
+        let inner = inner.filter(|(_, size)| size.nodes > 0).zip(to);
+        let parts = inner.map(|((&index, size), to)| {
+            let places = places.take(size.nodes - 1, size.blocks);
+            (index as usize, size, to, places)
+        });
+        let depths = pieces::each_of(parts.collect(), |(index, size, to, mut places)| {
+            let (node, depth) = self.node(index, size, &mut places, &mut Vec::new());
+            *to = node;
+            depth
+        });
+        (node, 1 + depths.into_iter().max().unwrap_or(0))
+    }
+
+    /// The same, by one thread.
+    fn by_script(
+        &self,
+        script: &mut &[u32],
+        places: &mut Places<'_, N>,
+        ids: &mut Vec<u32>,
+    ) -> (Node<N>, usize) {
+        let [count, rest @ ..] = *script else {
+            return (Node::new(&[]), 0);
+        };
+        let (children, rest) = rest.split_at(*count as usize);
+        *script = rest;
+        let (node, to) = self.top(children, places, ids);
         let mut depth = 1;
         if self.site.advance(children.len()) {
-            let nodes = children.iter().filter(is_node);
-            if sizes.is_empty() {
-                for (&index, to) in nodes.zip(below.nodes) {
-                    let (node, levels) = self.node(index, &[], places, ids);
-                    *to = node;
-                    depth = depth.max(1 + levels);
-                }
-            } else {
-                depth += self.side_by_side(&children, sizes, below.nodes, places);
+            for to in to {
+                let (node, levels) = self.by_script(script, places, ids);
+                *to = node;
+                depth = depth.max(1 + levels);
             }
         }
         (node, depth)
     }
 
-    /// Writes the nodes below a node: how deep they are.
-    fn side_by_side(
+    /// A node with its leaves, and where the nodes below it go.
+    fn top<'p>(
         &self,
-        children: &[usize],
-        sizes: &[Size],
-        nodes: &mut [Node<N>],
-        places: &mut Places<'_, N>,
-    ) -> usize {
-        let inner = children
-            .iter()
-            .zip(sizes)
-            .filter(|(_, size)| size.nodes > 0);
-        let parts = inner.zip(nodes).map(|((&index, size), to)| {
-            let places = places.take(size.nodes - 1, size.blocks);
-            (index, size, to, places)
-        });
-        let parts: Vec<_> = parts.collect();
-        let depths = pieces::each_of(parts, |(index, size, to, mut places)| {
-            let (node, depth) = self.node(index, &size.children, &mut places, &mut Vec::new());
-            *to = node;
-            depth
-        });
-        depths.into_iter().max().unwrap_or(0)
+        children: &[u32],
+        places: &mut Places<'p, N>,
+        ids: &mut Vec<u32>,
+    ) -> (Node<N>, &'p mut [Node<N>]) {
+        let is_node = |index: u32| !self.plan.is_leaf(index as usize);
+        let count = children.iter().filter(|&&index| is_node(index)).count();
+        let below = places.take(count, 0);
+        let mut slots = [(Aabb::EMPTY, Child::NOTHING); N];
+        let mut next = below.first_node;
+        for (slot, &index) in slots.iter_mut().zip(children) {
+            let child = if is_node(index) {
+                next += 1;
+                Child::node(next - 1)
+            } else {
+                self.leaf(index as usize, places, ids)
+            };
+            *slot = (self.tree.nodes[index as usize].bounds, child);
+        }
+        (Node::new(&slots[..children.len()]), below.nodes)
     }
 }

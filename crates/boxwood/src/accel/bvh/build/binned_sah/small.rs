@@ -17,6 +17,9 @@ pub(super) const SMALL: usize = 32;
 /// The deepest that such a subtree can be.
 pub(super) const LEVELS: usize = SMALL - 1;
 
+/// Axes along which middles lie so much closer together than along another one are not looked at.
+const SHORT: f32 = 0.5;
+
 /// Makes the subtree of at most [`SMALL`] items; its root is a node that is there.
 pub(super) struct Small<'a, 'i> {
     pub binned: &'a Binned<'i>,
@@ -185,8 +188,20 @@ impl Table<'_> {
         let mut best = Choice::NONE;
         let mut best_axis = 0;
         let mut around = [Sides::EMPTY; 2];
+        let mut sizes = [0.0; 3];
         for axis in 0..3 {
-            if !binned.settings.axes.has(axis) {
+            let middle = |place: usize| {
+                let item = self.orders[axis][place % SMALL];
+                self.items[usize::from(item)].middle_along(axis)
+            };
+            if binned.settings.axes.has(axis) {
+                sizes[axis] = middle(run.end - 1) - middle(run.start);
+            }
+        }
+        let longest = sizes[0].max(sizes[1]).max(sizes[2]);
+        for axis in 0..3 {
+            // Along short sides there is hardly ever a better cut.
+            if !binned.settings.axes.has(axis) || sizes[axis] < SHORT * longest {
                 continue;
             }
             let order = &self.orders[axis][run.start..run.end];
