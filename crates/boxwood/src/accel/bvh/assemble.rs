@@ -63,9 +63,13 @@ impl Parts {
         if let Self::Whole(tree) = self {
             return tree;
         }
+        const BLANK: BinaryNode = BinaryNode {
+            bounds: Aabb::EMPTY,
+            first: 0,
+            count: 0,
+        };
         // Side by side, because the first write to fresh memory takes as long as all that follow.
-        let mut nodes = rayon::iter::repeat_n(BinaryNode::UNDECIDED, self.nodes())
-            .collect::<alloc::vec::Vec<_>>();
+        let mut nodes = rayon::iter::repeat_n(BLANK, self.nodes()).collect::<alloc::vec::Vec<_>>();
         let mut order = alloc::vec![0; self.places()];
         if let [root, below @ ..] = &mut nodes[..] {
             self.write(root, (below, 1), (&mut order, 0));

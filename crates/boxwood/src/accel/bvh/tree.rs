@@ -21,13 +21,6 @@ pub struct BinaryNode {
 }
 
 impl BinaryNode {
-    /// A node that something is yet to become of.
-    pub(crate) const UNDECIDED: Self = Self {
-        bounds: Aabb::EMPTY,
-        first: 0,
-        count: 0,
-    };
-
     /// Whether it has primitives instead of children.
     #[inline(always)]
     pub fn is_leaf(&self) -> bool {

@@ -2,8 +2,8 @@
 //!
 //! *How it works.* On each axis the primitives fall into equal bins by their middles; one sweep from either side gives the
 //! cost of cutting between any two bins. The cheapest cut of the three axes is taken, unless keeping the primitives
-//! together is cheaper and they are few enough for a leaf. A few dozen primitives are sorted instead, and every cut
-//! between two of them is tried; of the last four, every way to part them.
+//! together is cheaper and they are few enough for a leaf. A handful of primitives is sorted instead, and every cut
+//! between two of them is tried.
 //!
 //! What is around a half is known when its parent has been divided, so that a level takes one pass that fills the bins of
 //! all axes, one that parts the primitives, and one that looks where their middles lie.
@@ -13,15 +13,15 @@
 //! *Source.* Wald 2007, *On Fast Construction of SAH-based Bounding Volume Hierarchies*.
 
 mod bins;
+mod few;
 mod four;
 mod row;
-mod small;
 
-use super::sweep::{Block, Cut, cost};
+use super::sweep::{Block, Cut};
 use super::top_down::{Divide, Divided, grow, work};
 use super::{BYTES_EACH, BinaryTree, Item, Sides, items};
 use crate::accel::bvh::refine::Refine;
-use crate::accel::bvh::tree::{MAX_DEPTH, MAX_LEAF};
+use crate::accel::bvh::tree::MAX_LEAF;
 use crate::accel::limits::Site;
 use crate::accel::sah::{NODE_COST, PRIMITIVE_COST};
 use crate::accel::settings::Setting;
@@ -32,15 +32,18 @@ use crate::simd::{Isa, Kernel, Level, Simd, Vectorize};
 use alloc::vec::Vec;
 use bins::{Bins, MAX_BINS};
 use core::marker::PhantomData;
-use four::Weights;
+use few::FEW;
+use four::{FOUR, Parted, Weights};
 use row::Row;
-use small::{LEVELS, SMALL, Small};
 #[cfg(feature = "parallel")]
 use {
     super::top_down::SEQUENTIAL, crate::simd::Portable, crate::threads::Exactly, rayon::prelude::*,
 };
 
 const MAX_BLOCK: usize = 16;
+/// For so many items and fewer, axes along which middles lie so much closer together than along another one are left out.
+const SOME: usize = 32;
+const SHORT: f32 = 0.5;
 
 /// The binned builder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,7 +118,7 @@ struct Binned<'i> {
 struct Slice<'i> {
     items: &'i mut [Item],
     around: Sides,
-    /// Not kept where there are no more than [`SMALL`].
+    /// Not kept where there are no more than [`FEW`].
     middles: Sides,
 }
 
@@ -137,7 +140,7 @@ impl<'i> Slice<'i> {
     #[inline(always)]
     fn half(items: &'i mut [Item], around: Sides) -> Self {
         Self {
-            middles: if items.len() > SMALL {
+            middles: if items.len() > FEW {
                 Item::around_middles(items)
             } else {
                 Sides::EMPTY
@@ -170,31 +173,14 @@ impl<'i> Divide for Binned<'i> {
         if part.items.len() < 2 {
             return Divided::Leaf(part);
         }
-        if !may_choose {
-            return self.undecided(part);
-        }
-        Vectorize::<8>::vectorize(self.level, Step { binned: self, part })
-    }
-    fn finish(
-        &self,
-        part: Slice<'i>,
-        depth: usize,
-        root: usize,
-        tree: &mut BinaryTree,
-    ) -> Result<(), Slice<'i>> {
-        if part.items.len() > SMALL || depth + LEVELS > MAX_DEPTH {
-            return Err(part);
-        }
         Vectorize::<8>::vectorize(
             self.level,
-            Small {
+            Step {
                 binned: self,
                 part,
-                root,
-                tree,
+                may_choose,
             },
-        );
-        Ok(())
+        )
     }
 }
 
@@ -202,33 +188,45 @@ impl<'i> Divide for Binned<'i> {
 struct Step<'a, 'i> {
     binned: &'a Binned<'i>,
     part: Slice<'i>,
+    may_choose: bool,
 }
 
 impl<'i> Kernel<8> for Step<'_, 'i> {
     type Output = Divided<Slice<'i>>;
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> Divided<Slice<'i>> {
-        let Self { binned, part } = self;
+        let Self {
+            binned,
+            part,
+            may_choose,
+        } = self;
+        let len = part.items.len();
+        let settings = &binned.settings;
+        if !may_choose {
+            return binned.undecided(part);
+        }
+        if len <= FOUR && settings.axes == Axes::XYZ {
+            return binned.divide_four(s, part);
+        }
+        if len <= FEW {
+            return binned.divide_few(s, part);
+        }
         // Few items do not need many bins, and most parts are small: clearing bins that nobody asked for would take longer than
         // filling the others.
-        match binned.settings.bins.min(4 + part.items.len() / 8) {
-            count @ ..=16 => binned.divide::<S, 16>(s, part, count),
-            count @ ..=32 => binned.divide::<S, 32>(s, part, count),
-            count => binned.divide::<S, MAX_BINS>(s, part, count),
+        match settings.bins.min(4 + len / 8) {
+            count @ ..=8 => binned.divide_many::<S, 8>(s, part, count),
+            count @ ..=16 => binned.divide_many::<S, 16>(s, part, count),
+            count @ ..=32 => binned.divide_many::<S, 32>(s, part, count),
+            count => binned.divide_many::<S, MAX_BINS>(s, part, count),
         }
     }
 }
 
 impl<'i> Binned<'i> {
-    /// What so many items cost in a box of such an area.
-    #[inline(always)]
-    fn cost(&self, area: f32, count: u32) -> f32 {
-        cost(area, count, self.block)
-    }
-
     /// Whether items stay together although they could be parted at such a cost.
     #[inline(always)]
-    fn stay(&self, len: usize, area: f32, cost: f32) -> bool {
+    fn stay(&self, part: &Slice<'i>, cost: f32) -> bool {
+        let (len, area) = (part.items.len(), part.around.half_area());
         let together = PRIMITIVE_COST * len as f32 * area;
         let apart = NODE_COST * area + PRIMITIVE_COST * cost;
         // Written so that a box without area, or with an infinite one, stays together.
@@ -246,7 +244,32 @@ impl<'i> Binned<'i> {
     }
 
     #[inline(always)]
-    fn divide<S: Simd, const N: usize>(
+    fn divide_four<S: Simd>(&self, s: S, part: Slice<'i>) -> Divided<Slice<'i>> {
+        let parted = Parted::of(s, part.items, &self.weights);
+        if self.stay(&part, parted.cost) {
+            return Divided::Leaf(part);
+        }
+        let at = parted.part(part.items);
+        Divided::Halves(part.halves(at, parted.around))
+    }
+
+    #[inline(always)]
+    fn divide_few<S: Simd>(&self, s: S, part: Slice<'i>) -> Divided<Slice<'i>> {
+        let Some(found) = few::cheapest_cut(s, part.items, self.settings.axes, self.block) else {
+            return self.undecided(part);
+        };
+        if self.stay(&part, found.cut.cost) {
+            return Divided::Leaf(part);
+        }
+        found.put_in_order(part.items);
+        let at = found.cut.at;
+        let (left, right) = part.items.split_at(at);
+        let around = [Item::sides_around(left), Item::sides_around(right)];
+        Divided::Halves(part.halves(at, around))
+    }
+
+    #[inline(always)]
+    fn divide_many<S: Simd, const N: usize>(
         &self,
         s: S,
         part: Slice<'i>,
@@ -256,8 +279,16 @@ impl<'i> Binned<'i> {
         let mut rows = [const { Row::<N>::EMPTY }; 3];
         self.fill(s, &bins, part.items, &mut rows);
         let mut best: Option<(usize, Cut)> = None;
+        let size = part.middles.bounds().size();
+        // Where few lie closer together along an axis than along another one, there is hardly ever a better cut.
+        let least = if part.items.len() <= SOME {
+            SHORT * size.x.max(size.y).max(size.z)
+        } else {
+            0.0
+        };
         for axis in 0..3 {
             if self.settings.axes.has(axis)
+                && !(size[axis] < least)
                 && let Some(cut) = rows[axis].cheapest_cut(s, self.block)
                 && best.as_ref().is_none_or(|best| cut.is_better(&best.1))
             {
@@ -267,7 +298,7 @@ impl<'i> Binned<'i> {
         let Some((axis, cut)) = best else {
             return self.undecided(part);
         };
-        if self.stay(part.items.len(), part.around.half_area(), cut.cost) {
+        if self.stay(&part, cut.cost) {
             return Divided::Leaf(part);
         }
         let around = rows[axis].around(s, cut.at);

@@ -83,7 +83,6 @@ pub(super) fn cost(area: f32, count: u32, block: Block) -> f32 {
 ///
 /// Cost above evenness in one number, the least of which is the best: positive floats ascend like whole numbers. A
 /// branch would be foreseen badly.
-#[derive(Clone, Copy)]
 pub(super) struct Choice {
     best: u64,
     at: usize,
@@ -103,17 +102,6 @@ impl Choice {
         let cut = if counts { cut } else { u64::MAX };
         self.at = if cut < self.best { at } else { self.at };
         self.best = self.best.min(cut);
-    }
-
-    /// The first slot of the right half.
-    #[inline(always)]
-    pub fn at(&self) -> usize {
-        self.at
-    }
-
-    #[inline(always)]
-    pub fn is_better(&self, other: &Self) -> bool {
-        self.best < other.best
     }
 
     #[inline(always)]

@@ -29,17 +29,6 @@ pub(super) trait Divide: Sync {
     ///
     /// Where it may not choose, because the tree would grow too deep, it has to cut in the middle or to make a leaf.
     fn divide(&self, part: Self::Part, may_choose: bool) -> Divided<Self::Part>;
-    /// Grows the whole tree of a part that is small enough for a way of its own; gives other parts back. The root, which lies
-    /// at some depth, is a node that is there.
-    fn finish(
-        &self,
-        part: Self::Part,
-        _depth: usize,
-        _root: usize,
-        _tree: &mut BinaryTree,
-    ) -> Result<(), Self::Part> {
-        Err(part)
-    }
     /// Appends the primitives of a leaf to the order.
     fn list(&self, part: &Self::Part, order: &mut Vec<u32>);
 }
@@ -94,19 +83,11 @@ impl<D: Divide> Work<'_, D> {
         let len = self.divide.len(&part);
         let may_choose = depth + levels(len) < MAX_DEPTH;
         let divided = self.divide.divide(part, may_choose);
-        match divided {
-            Divided::Leaf(_) => self.leaves(len, depth),
-            Divided::Halves(_) => {
-                self.site.advance(len);
-            }
-        }
+        self.site.advance(match divided {
+            Divided::Leaf(_) => len * (1 + self.expected.saturating_sub(depth)),
+            Divided::Halves(_) => len,
+        });
         divided
-    }
-
-    /// Tells the site of primitives that have come to their leaves.
-    fn leaves(&self, len: usize, depth: usize) {
-        self.site
-            .advance(len * (1 + self.expected.saturating_sub(depth)));
     }
 }
 
@@ -129,6 +110,12 @@ fn parts<D: Divide>(part: D::Part, depth: usize, work: &Work<'_, D>) -> Parts {
     }
 }
 
+const UNDECIDED: BinaryNode = BinaryNode {
+    bounds: Aabb::EMPTY,
+    first: 0,
+    count: 0,
+};
+
 /// A tree of one leaf.
 #[cfg(feature = "parallel")]
 fn leaf<D: Divide>(part: D::Part, work: &Work<'_, D>) -> BinaryTree {
@@ -149,44 +136,33 @@ fn leaf<D: Divide>(part: D::Part, work: &Work<'_, D>) -> BinaryTree {
 fn subtree<D: Divide>(part: D::Part, depth: usize, work: &Work<'_, D>) -> BinaryTree {
     let len = work.divide.len(&part);
     // Leaves of two are the fewest that most builders come to.
-    let mut tree = BinaryTree {
-        nodes: Vec::with_capacity(len),
-        order: Vec::with_capacity(len),
-    };
-    tree.nodes.push(BinaryNode::UNDECIDED);
+    let mut nodes = Vec::with_capacity(len);
+    let mut order = Vec::with_capacity(len);
+    nodes.push(UNDECIDED);
     let mut open = alloc::vec![(0, part, depth)];
     while let Some((node, part, depth)) = open.pop() {
         if work.site.is_over() {
             break;
         }
-        let len = work.divide.len(&part);
-        let part = match work.divide.finish(part, depth, node, &mut tree) {
-            Ok(()) => {
-                work.leaves(len, depth);
-                continue;
-            }
-            Err(part) => part,
-        };
         match work.divide(part, depth) {
             Divided::Leaf(part) => {
-                let first = tree.order.len();
-                work.divide.list(&part, &mut tree.order);
-                tree.nodes[node] = BinaryNode {
+                let first = order.len();
+                work.divide.list(&part, &mut order);
+                nodes[node] = BinaryNode {
                     bounds: work.divide.bounds(&part),
                     first: first as u32,
-                    count: (tree.order.len() - first) as u32,
+                    count: (order.len() - first) as u32,
                 };
             }
             Divided::Halves([left, right]) => {
-                let pair = tree.nodes.len();
-                tree.nodes[node].first = pair as u32;
-                tree.nodes.extend([BinaryNode::UNDECIDED; 2]);
+                let pair = nodes.len();
+                nodes[node].first = pair as u32;
+                nodes.extend([UNDECIDED; 2]);
                 open.push((pair + 1, right, depth + 1));
                 open.push((pair, left, depth + 1));
             }
         }
     }
-    let nodes = &mut tree.nodes;
     // Children come after their parents.
     for i in (0..nodes.len()).rev() {
         let first = nodes[i].first as usize;
@@ -196,7 +172,7 @@ fn subtree<D: Divide>(part: D::Part, depth: usize, work: &Work<'_, D>) -> Binary
             nodes[i].bounds = a.bounds.union(b.bounds);
         }
     }
-    tree
+    BinaryTree { nodes, order }
 }
 
 /// What a builder says of some items.

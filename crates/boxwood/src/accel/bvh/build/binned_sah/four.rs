@@ -3,8 +3,8 @@
 //! *How it works.* The last item goes right. Each lane stands for a set of the three others that goes left: what is around it and around
 //! the rest is found for all sets at once, a plane after the other.
 
-use crate::accel::bvh::build::Sides;
 use crate::accel::bvh::build::sweep::Block;
+use crate::accel::bvh::build::{Item, Sides};
 use crate::simd::{F, Floats, Lanes};
 
 pub(super) const FOUR: usize = 4;
@@ -58,9 +58,15 @@ pub(super) struct Parted {
 }
 
 impl Parted {
-    /// The cheapest of all ways to part two to four items, of which the last lies at the end.
+    /// The cheapest of all ways to part two to four items.
     #[inline(always)]
-    pub fn of<S: Lanes<SETS>>(s: S, len: usize, all: &[Sides; FOUR], weights: &Weights) -> Self {
+    pub fn of<S: Lanes<SETS>>(s: S, items: &[Item], weights: &Weights) -> Self {
+        let len = items.len().min(FOUR);
+        let mut all = [Sides::EMPTY; FOUR];
+        for i in 0..len - 1 {
+            all[i] = items[i].sides();
+        }
+        all[FOUR - 1] = items[len - 1].sides();
         let none = F::<S, SETS>::splat(s, f32::INFINITY);
         let (mut left, mut right) = ([none; 6], [none; 6]);
         for plane in 0..6 {
@@ -71,7 +77,7 @@ impl Parted {
                 right[plane] = (at + F::<S, SETS>::load(s, &OUT[item])).min(right[plane]);
             }
         }
-        let weigh = &weights.0[len.min(FOUR)];
+        let weigh = &weights.0[len];
         let cost = half_area(s, &left) * F::<S, SETS>::load(s, &weigh[0])
             + half_area(s, &right) * F::<S, SETS>::load(s, &weigh[1]);
         // What is no number is dearest.
@@ -91,16 +97,21 @@ impl Parted {
         }
     }
 
-    /// Whether an item goes left.
+    /// Brings those that go left to the front: how many they are.
     #[inline(always)]
-    pub fn goes_left(&self, item: usize, len: usize) -> bool {
-        item + 1 < len && self.set >> item & 1 == 1
-    }
-
-    /// How many go left.
-    #[inline(always)]
-    pub fn left(&self, len: usize) -> usize {
-        (self.set & ((1 << (len - 1)) - 1)).count_ones() as usize
+    pub fn part(&self, items: &mut [Item]) -> usize {
+        let len = items.len().min(FOUR);
+        let set = self.set & ((1 << (len - 1)) - 1);
+        let left = set.count_ones() as usize;
+        let mut old = [items[0]; FOUR];
+        old[..len].copy_from_slice(&items[..len]);
+        let mut next = [left, 0];
+        for i in 0..len {
+            let next = &mut next[set >> i & 1];
+            items[*next] = old[i];
+            *next += 1;
+        }
+        left
     }
 }
 
@@ -129,55 +140,39 @@ mod tests {
     use crate::geometry::Aabb;
     use crate::simd::Portable;
 
-    fn part(boxes: &[Aabb], block: Block) -> Parted {
-        let mut sides = [Sides::EMPTY; FOUR];
-        let (last, others) = boxes.split_last().expect("some boxes");
-        for (sides, b) in sides.iter_mut().zip(others) {
-            *sides = Sides::of(b);
-        }
-        sides[FOUR - 1] = Sides::of(last);
-        Parted::of(Portable, boxes.len(), &sides, &Weights::of(block))
-    }
-
-    /// Boxes on a line: near ones stay together, whatever their order.
+    /// Some boxes on a line: at least cost, near ones stay together, whatever their order.
     #[test]
     fn neighbours_stay_together() {
-        let orders: [&[f32]; 4] = [
-            &[0.0, 9.0],
-            &[0.0, 9.0, 1.0],
-            &[9.0, 0.0, 10.0, 1.0],
-            &[0.0, 2.0, 1.0, 30.0],
-        ];
-        for places in orders {
-            let boxes = places
-                .iter()
-                .map(|&x| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]));
-            let boxes: Vec<Aabb> = boxes.collect();
-            let parted = part(&boxes, Block::ONE);
-            let mut around = [Aabb::EMPTY; 2];
-            let mut left = 0;
-            for (i, b) in boxes.iter().enumerate() {
-                let goes_left = parted.goes_left(i, boxes.len());
-                left += usize::from(goes_left);
-                let half = &mut around[usize::from(!goes_left)];
-                *half = half.union(*b);
+        let weights = Weights::of(Block::ONE);
+        let item = |x: f32, id: u32| Item::new(&Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]), id);
+        for (places, near) in [
+            (vec![0.0, 9.0], 1),
+            (vec![0.0, 9.0, 1.0], 2),
+            (vec![9.0, 0.0, 10.0, 1.0], 2),
+            (vec![0.0, 2.0, 1.0, 30.0], 3),
+        ] {
+            let mut items: Vec<Item> = places.iter().zip(0..).map(|(&x, id)| item(x, id)).collect();
+            let parted = Parted::of(Portable, &items, &weights);
+            let left = parted.part(&mut items);
+            let far = |item: &Item| item.bounds().lower.x > 5.0;
+            assert!(left == near || left == places.len() - near, "{places:?}");
+            for (half, around) in [&items[..left], &items[left..]].iter().zip(parted.around) {
+                assert_eq!(around.bounds(), Item::around(half));
+                assert!(half.iter().all(far) || !half.iter().any(far), "{places:?}");
             }
-            assert_eq!(left, parted.left(boxes.len()));
-            assert_eq!(
-                around,
-                parted.around.map(|sides| sides.bounds()),
-                "{places:?}"
-            );
-            let [a, b] = around.map(|half| half.size().x);
-            assert!(a < 4.0 && b < 4.0, "{places:?}");
+            let mut ids: Vec<u32> = items.iter().map(Item::id).collect();
+            ids.sort_unstable();
+            assert!(ids.into_iter().eq(0..places.len() as u32));
         }
     }
 
     #[test]
     fn boxes_that_are_infinite_are_parted_too() {
+        let weights = Weights::of(Block::of(4));
         let endless = Aabb::new([f32::NEG_INFINITY; 3], [f32::INFINITY; 3]);
         for len in 2..=FOUR {
-            let left = part(&[endless; FOUR][..len], Block::of(4)).left(len);
+            let mut items: Vec<Item> = (0..len as u32).map(|id| Item::new(&endless, id)).collect();
+            let left = Parted::of(Portable, &items, &weights).part(&mut items);
             assert!((1..len).contains(&left));
         }
     }
