@@ -144,7 +144,7 @@ impl TriangleBlock {
 pub enum Stop {
     /// The query has seen enough.
     Enough,
-    /// A hit must be held against its triangle's own box first: the ray is for a loop that does so.
+    /// A hit must be [confirmed](super::watertight::confirmed) first: the ray is for a loop that does so.
     Uncovered,
 }
 

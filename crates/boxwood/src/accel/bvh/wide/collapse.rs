@@ -8,15 +8,17 @@ use crate::accel::BuildError;
 use crate::accel::bvh::tree::BinaryTree;
 use crate::accel::limits::Site;
 use crate::geometry::Aabb;
+use crate::geometry::frame::Frame;
 use crate::primitive::Primitives;
 use crate::simd::Pages;
 use alloc::vec::Vec;
 
-/// Root, nodes, leaves and depth of a wide tree whose leaves made of subtrees hold at most so many primitives; nothing useful where
-/// the site says that the build is over.
+/// Root, nodes, leaves and depth of a wide tree whose leaves made of subtrees hold at most so many primitives, its boxes as seen from the
+/// frame; nothing useful where the site says that the build is over.
 pub fn collapse<P: Primitives, const N: usize>(
     primitives: &P,
     tree: &BinaryTree,
+    frame: &Frame,
     max_leaf: usize,
     gathering: Gathering,
     site: &Site<'_>,
@@ -25,6 +27,7 @@ pub fn collapse<P: Primitives, const N: usize>(
     let mut wide = Wide {
         primitives,
         tree,
+        frame,
         plan,
         site,
         nodes: Pages::default(),
@@ -40,6 +43,7 @@ pub fn collapse<P: Primitives, const N: usize>(
 struct Wide<'a, P, const N: usize> {
     primitives: &'a P,
     tree: &'a BinaryTree,
+    frame: &'a Frame,
     plan: Plan<'a, N>,
     site: &'a Site<'a>,
     nodes: Pages<Node<N>>,
@@ -104,7 +108,8 @@ impl<P: Primitives, const N: usize> Wide<'_, P, N> {
         self.plan.children(index, &mut children);
         let mut slots = [(Aabb::EMPTY, Child::NOTHING); N];
         for (slot, &index) in slots.iter_mut().zip(&children) {
-            *slot = (self.tree.nodes[index].bounds, self.child(index));
+            let bounds = self.frame.seen(&self.tree.nodes[index].bounds);
+            *slot = (bounds, self.child(index));
         }
         if !self.site.advance(children.len()) {
             return;

@@ -28,6 +28,7 @@ pub use precision::{Precision, UnknownPrecision};
 
 use crate::accel::limits::{Limits, Site, unlimited};
 use crate::accel::{BuildError, bvh::tree::BinaryTree};
+use crate::geometry::frame::Frame;
 use crate::geometry::triangle::block::Stop;
 use crate::geometry::{Aabb, PreparedRay, Ray};
 use crate::inspect::{self, Cell, Statistics, TreeFlaw};
@@ -49,8 +50,8 @@ use packet::Outcome;
 pub struct WideBvh<P, const N: usize> {
     primitives: P,
     bounds: Aabb,
-    /// The largest |coordinate| of the bounds.
-    scale: f32,
+    /// What the boxes of nodes are seen from.
+    frame: Frame,
     root: Child,
     nodes: Pages<Node<N>>,
     leaves: Leaves,
@@ -115,13 +116,18 @@ where
         let given = size_of_val(&*tree.nodes) + size_of_val(&*tree.order);
         // Where there is no room for it, the build is over, and `finish` says so.
         site.take(given);
-        let (root, nodes, leaves, depth) =
-            collapse::collapse(&primitives, tree, MAX_LEAF, gathering, &site)?;
         let bounds = tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds);
+        let frame = if P::TRIANGLES {
+            Frame::of(&bounds)
+        } else {
+            Frame::world(bounds.scale())
+        };
+        let (root, nodes, leaves, depth) =
+            collapse::collapse(&primitives, tree, &frame, MAX_LEAF, gathering, &site)?;
         site.finish(Self {
             cut: tree.order.len() > primitives.len(),
             bounds,
-            scale: bounds.scale(),
+            frame,
             primitives,
             root,
             nodes,
@@ -198,7 +204,7 @@ where
             self.apart(&rays[..apart], before);
             let (together, rest) = rest.split_at_mut(end - apart);
             for i in packet.found.take_uncovered() {
-                if let Some(ray) = PreparedRay::new(&rays[apart + i], self.scale) {
+                if let Some(ray) = PreparedRay::new(&rays[apart + i], self.frame.scale) {
                     self.plainly(&ray, &mut together[i], &mut ());
                 }
             }
@@ -270,6 +276,7 @@ where
                 let from = open.len();
                 let slots = self.nodes[child.index()].slots();
                 open.extend(slots.map(|(lane, bounds, below)| {
+                    let bounds = self.frame.in_world(&bounds);
                     (Self::number(child, lane), depth + 1, bounds, below)
                 }));
                 open[from..].reverse();
@@ -300,7 +307,7 @@ where
                 return;
             }
         }
-        if let Some(ray) = PreparedRay::new(ray, self.scale) {
+        if let Some(ray) = PreparedRay::new(ray, self.frame.scale) {
             self.plainly(&ray, query, counters);
         }
     }
