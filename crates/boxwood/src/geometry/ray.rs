@@ -99,7 +99,8 @@ fn largest<S: Lanes<4>>(s: S, v: F<S, 4>) -> F<S, 4> {
 ///
 /// *Doors.* That proof holds for scenes of size 2⁻²⁰ to 2²⁸ and directions of length 2⁻²⁸ to 2²⁸. Outside, the ray is
 /// not [`tame`](PreparedRay::is_tame): direction and triangles are scaled by powers of two to sizes near 1, boxes are met
-/// in double precision, and a hit must then lie in its own padded box.
+/// in double precision, and a hit must then lie in its own padded box. A tame ray's hit whose products were too small for the
+/// proof must lie near its triangle in double precision.
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedRay {
     ray: Ray,
@@ -448,7 +449,7 @@ impl PreparedRay {
     }
 
     /// How far a hit's point on the ray may be from the point of the surface that it stands for, on each axis, in world
-    /// units: `32 u (S + R)`.
+    /// units: `32 u (S + R)`, of whatever frame the ray is made for.
     #[inline]
     pub fn slack(&self) -> f64 {
         self.slack

@@ -69,7 +69,7 @@ impl TriangleBlock {
     /// Shows the hits within `[t_min, query.t_max()]` to the query, of those triangles that `seen` lets through.
     ///
     /// Breaks with [`Stop::Uncovered`] at a hit that the proof of the slack does not cover, without showing it: looking at
-    /// its box here would cost every ray registers, and such hits are rarer than one in many millions.
+    /// it again here would cost every ray registers, and such hits are rarer than one in many millions.
     #[inline(always)]
     pub fn offer<S: Lanes<LANES>, Q: Query>(
         &self,

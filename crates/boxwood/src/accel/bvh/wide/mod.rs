@@ -4,6 +4,9 @@
 //! meets its boxes in lanes; `leaf` holds triangles lane by lane, or numbers of anything else; `traverse` is the one loop,
 //! compiled for every instruction set, and `scalar` the same box by box; `hierarchy` shows the nodes to questions about space.
 //!
+//! Boxes of triangles are stored as seen from the middle of a scene that stands far from the world's origin (`geometry/frame.rs`); triangles
+//! stay in the world, where all structures meet them.
+//!
 //! *Cost.* About 15 bytes of nodes and 45 of leaves for each triangle of a mesh; 16 and 6 for each of other primitives.
 //!
 //! *Source.* Dammertz, Hanika & Keller 2008; Wald, Benthin & Boulos 2008; Ernst & Greiner 2008; Ylitie, Karras & Laine 2017
