@@ -2,12 +2,11 @@
 //!
 //! `cargo run --release -p boxwood-testkit --example adversary -- [--rays 1e9] [--seed 1] [--from 0] [--only ROUND]`
 //!
-//! `--rays` counts answers: rays by ways of asking by trees and instruction sets. The rounds follow from the seed: a run that
-//! was ended goes on where its last line says, and `--only` repeats one round. Runs on all cores. Exit code 1 when an answer
-//! differs or a structure panics, 2 when an argument makes no sense.
+//! `--help` says what the options mean. Exit code 1 when an answer differs or a structure panics, 2 when an argument makes no
+//! sense.
 
 use boxwood::Isa;
-use boxwood_testkit::adversary::{Found, round};
+use boxwood_testkit::adversary::{EDITION, Found, round};
 use rayon::prelude::*;
 use std::panic::catch_unwind;
 use std::process::ExitCode;
@@ -28,7 +27,31 @@ struct Task {
     only: Option<u64>,
 }
 
+const HELP: &str = "\
+Asks wide trees about adversarial rays, by every way of asking and on every instruction set of the machine,
+and compares each answer with that of the exhaustive test, to the bit.
+
+Usage: just adversary [--rays N] [--seed N] [--from ROUND] [--only ROUND]
+
+  --rays N      how many answers to compare at least: rays by ways of asking by trees and
+                instruction sets; `1e9`, the default, takes hours
+  --seed N      what all meshes and rays follow from; 1 by default
+  --from ROUND  goes on with this round, as the last line of a run that was ended says; 0 by default
+  --only ROUND  repeats this round alone, as the line of a difference names it
+
+Runs on all cores; RAYON_NUM_THREADS=1 keeps it to one. The exit code is 1 when an answer differs or a
+structure panics, and 2 when an argument makes no sense.
+
+Example: a run of a few minutes with meshes of its own, and one of its rounds again
+  just adversary --rays 2e7 --seed 7
+  just adversary --seed 7 --only 12
+";
+
 fn main() -> ExitCode {
+    if std::env::args().any(|argument| ["--help", "-h"].contains(&&*argument)) {
+        print!("{HELP}");
+        return ExitCode::SUCCESS;
+    }
     let task = match Task::read(std::env::args().skip(1)) {
         Ok(task) => task,
         Err(message) => {
@@ -38,7 +61,10 @@ fn main() -> ExitCode {
     };
     let sets: Vec<&str> = Isa::available().into_iter().map(Isa::name).collect();
     let sets = sets.join(", ");
-    println!("seed {}, wide8 and wide16 on {sets}", task.seed);
+    println!(
+        "seed {} of edition {EDITION}, wide8 and wide16 on {sets}",
+        task.seed
+    );
     let (start, mut told) = (Instant::now(), Instant::now());
     let mut all = Found::default();
     let mut differing = 0;
@@ -99,7 +125,14 @@ impl Task {
             only: None,
         };
         while let Some(name) = arguments.next() {
-            let text = arguments.next().ok_or(format!("`{name}` needs a number"))?;
+            if !["--rays", "--seed", "--from", "--only"].contains(&&*name) {
+                return Err(format!(
+                    "`{name}` is none of --rays, --seed, --from, --only, --help"
+                ));
+            }
+            let text = arguments
+                .next()
+                .ok_or(format!("`{name}` needs a number; see --help"))?;
             // `1e9` reads as well as `1000000000`.
             let real = text.parse::<f64>().ok();
             let real = real.filter(|x| x.fract() == 0.0 && (0.0..1.0e18).contains(x));
@@ -109,12 +142,7 @@ impl Task {
                 "--rays" => task.answers = number,
                 "--seed" => task.seed = number,
                 "--from" => task.from = number,
-                "--only" => task.only = Some(number),
-                _ => {
-                    return Err(format!(
-                        "`{name}` is none of --rays, --seed, --from, --only"
-                    ));
-                }
+                _ => task.only = Some(number),
             }
         }
         Ok(task)

@@ -6,7 +6,7 @@ use crate::{Model, Random, shapes, soups};
 pub type Make = fn(usize, &mut Random) -> Model;
 
 /// All scenes, by name.
-pub const SCENES: [(&str, Make); 27] = [
+pub const SCENES: [(&str, Make); 29] = [
     ("empty", |_, _| Model::default()),
     ("one triangle", |_, r| soups::random(1, r)),
     ("random", soups::random),
@@ -53,6 +53,15 @@ pub const SCENES: [(&str, Make); 27] = [
     }),
     ("mixed sizes, 1e30", |n, r| {
         soups::mixed_sizes(n, r).placed(1.0e30, 0.0)
+    }),
+    ("terrain, where a map puts it", |n, r| {
+        let terrain = shapes::terrain(side(n), r).placed(1.0e3, 0.0);
+        terrain.moved([5.0e5, 4.0e6, 0.0])
+    }),
+    ("random, far along one axis", |n, r| {
+        let mut by = [0.0; 3];
+        by[r.below(3)] = r.pick(&[1.0e2, -1.0e4, 3.0e6, -1.0e7]);
+        soups::random(n, r).moved(by)
     }),
 ];
 

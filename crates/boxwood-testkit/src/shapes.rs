@@ -32,6 +32,13 @@ impl Model {
         }
         self
     }
+    /// Moved along each axis by so much of its own. Vertices that were one stay one.
+    pub fn moved(mut self, by: [f32; 3]) -> Self {
+        for p in &mut self.positions {
+            *p = [p[0] + by[0], p[1] + by[1], p[2] + by[2]];
+        }
+        self
+    }
     /// With another model beside it.
     pub fn with(mut self, other: &Self) -> Self {
         let first = self.positions.len() as u32;

@@ -1,6 +1,6 @@
 //! No ray leaves a closed mesh through an edge or a vertex.
 
-use boxwood::{BinnedSah, BruteForce, Bvh, Intersect, MollerTrumbore, Ray, Vec3};
+use boxwood::{BinnedSah, BruteForce, Bvh, Intersect, MollerTrumbore, Ray, Vec3, WideBvh};
 use boxwood_testkit::{Model, Random, effort, shapes};
 
 /// A closed shape around the origin and a point well inside: a torus holds its own ring, not the origin.
@@ -73,9 +73,13 @@ fn each(fineness: u32, check: impl Fn(&Case)) {
 fn none_escapes_a_hierarchy() {
     each(40, |case| {
         let mesh = case.model.mesh();
-        let bvh = Bvh::new(&mesh, BinnedSah::default().build(&mesh));
-        let leak = leak(case, effort(1_000), &bvh);
-        assert_eq!(leak, None, "bvh:binned leaks, {}", case.name);
+        let tree = BinnedSah::default().build(&mesh);
+        let wide = WideBvh::<_, 8>::new(&mesh, &tree);
+        let found = leak(case, effort(1_000), &wide);
+        assert_eq!(found, None, "wide8 leaks, {}", case.name);
+        let bvh = Bvh::new(&mesh, tree);
+        let found = leak(case, effort(1_000), &bvh);
+        assert_eq!(found, None, "bvh:binned leaks, {}", case.name);
     });
 }
 

@@ -5,6 +5,7 @@ mod cuboid;
 mod cylinder;
 mod disc;
 pub(crate) mod double;
+pub(crate) mod frame;
 mod hit;
 pub mod implicit;
 mod interval;

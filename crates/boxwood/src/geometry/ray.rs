@@ -1,5 +1,6 @@
 //! Rays, and rays made ready to meet boxes and triangles.
 
+use super::frame::Frame;
 use super::{Aabb, Vec3};
 use crate::math;
 use crate::simd::{F, Floats, Lanes, Mask, Portable, U, Words};
@@ -94,10 +95,12 @@ fn largest<S: Lanes<4>>(s: S, v: F<S, 4>) -> F<S, 4> {
 /// (4 u more for the rounding of the slab test itself). So every box is met as if it were `32 u (S + R)` larger on each
 /// side, and no structure can lose a hit that the judge finds. Coordinates of the direction that are nearly zero are
 /// raised to `u` times the largest, which keeps the reciprocals finite and moves the ray by less than the slack.
+/// The sum is drawn up in `geometry/frame.rs`, also for scenes far away whose boxes are seen from their middle.
 ///
 /// *Doors.* That proof holds for scenes of size 2⁻²⁰ to 2²⁸ and directions of length 2⁻²⁸ to 2²⁸. Outside, the ray is
 /// not [`tame`](PreparedRay::is_tame): direction and triangles are scaled by powers of two to sizes near 1, boxes are met
-/// in double precision, and a hit must then lie in its own padded box.
+/// in double precision, and a hit must then lie in its own padded box. A tame ray's hit whose products were too small for the
+/// proof must lie near its triangle in double precision.
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedRay {
     ray: Ray,
@@ -205,19 +208,19 @@ impl PreparedRay {
     /// Makes a ray ready for a scene whose largest |coordinate| is `scale`; `None` when it can hit nothing.
     #[inline]
     pub fn new(ray: &Ray, scale: f32) -> Option<Self> {
-        match Self::tame(Portable, ray, scale, Self::SLACK) {
+        match Self::tame(Portable, ray, &Frame::world(scale), Self::SLACK) {
             None => Self::wild(ray, scale),
             Some((ready, _)) => Some(ready),
         }
     }
 
     /// The same for a ray inside the doors; `None` for any other. Without a branch but that one, all axes at once. The
-    /// slack is `slack` units large, by right [`Self::SLACK`].
+    /// slack is `slack` units large, by right [`Self::SLACK`]. Boxes must be those that the frame [sees](Frame::seen).
     #[inline(always)]
     pub(crate) fn tame<S: Lanes<4>>(
         s: S,
         ray: &Ray,
-        scale: f32,
+        frame: &Frame,
         slack: f32,
     ) -> Option<(Self, Facing<S>)> {
         let (o, d) = (&ray.origin, &ray.direction);
@@ -227,13 +230,14 @@ impl PreparedRay {
         // As they lie in memory. The fourth lane goes with the others and reaches none of them.
         let origin = F::<S, 4>::load(s, &[o.x, o.y, o.z, ray.t_min]);
         let direction = F::<S, 4>::load(s, &[d.x, d.y, d.z, ray.t_max]);
+        let seen = origin - F::<S, 4>::load(s, &frame.centre);
         let (size, distance) = (direction.abs(), origin.abs());
-        let [largest, reach] = [largest(s, size), largest(s, distance)];
+        let [largest, reach] = [largest(s, size), largest(s, seen.abs())];
         let huge = F::<S, 4>::splat(s, HUGE);
         // Comparisons that fail for NaN and infinity.
         let inside =
             distance.lt(huge) & size.lt(huge) & F::<S, 4>::splat(s, HUGE.recip()).lt(largest);
-        if !((inside.bits() & 7 == 7) & (t_min <= t_max) & Self::is_tame_scene(scale)) {
+        if !((inside.bits() & 7 == 7) & (t_min <= t_max) & Self::is_tame_scene(frame.scale)) {
             return None;
         }
         // The lowest axis wins a tie.
@@ -242,9 +246,9 @@ impl PreparedRay {
         let across = direction.permute(round);
         let shear = (across / across.permute(U::<S, 4>::from_nibbles(s, 0x2222))).to_array();
         let [reach, ..] = reach.to_array();
-        let slack = slack * (scale + reach);
+        let slack = slack * (frame.reach + reach);
         let floor = largest * F::<S, 4>::splat(s, Self::FLOOR);
-        let facing = Facing::new(s, origin, direction, floor, slack);
+        let facing = Facing::new(s, seen, direction, floor, slack);
         let first = |v: F<S, 4>| {
             let [x, y, z, _] = v.to_array();
             Vec3::new(x, y, z)
@@ -445,7 +449,7 @@ impl PreparedRay {
     }
 
     /// How far a hit's point on the ray may be from the point of the surface that it stands for, on each axis, in world
-    /// units: `32 u (S + R)`.
+    /// units: `32 u (S + R)`, of whatever frame the ray is made for.
     #[inline]
     pub fn slack(&self) -> f64 {
         self.slack

@@ -228,8 +228,11 @@ impl Primitives for TriangleMesh {
         query: &mut Q,
         _: &mut C,
     ) -> ControlFlow<()> {
-        match watertight::intersect(self.triangle(i), ray, query.t_max()) {
-            Some((meeting, covered)) if covered || ray.is_inside(&self.bounds(i), meeting.t) => {
+        let corners = self.triangle(i);
+        match watertight::intersect(corners, ray, query.t_max()) {
+            Some((meeting, covered))
+                if covered || watertight::confirmed(corners, ray, &meeting) =>
+            {
                 query.offer(hit(meeting, i))
             }
             _ => Continue(()),

@@ -78,7 +78,7 @@ impl TriangleBlock {
     /// Shows the hits within `[t_min, query.t_max()]` to the query, of those triangles that `seen` lets through.
     ///
     /// Breaks with [`Stop::Uncovered`] at a hit that the proof of the slack does not cover, without showing it: looking at
-    /// its box here would cost every ray registers, and such hits are rarer than one in many millions.
+    /// it again here would cost every ray registers, and such hits are rarer than one in many millions.
     #[inline(always)]
     pub fn offer<S: Lanes<LANES>, Q: Query>(
         &self,
@@ -153,7 +153,7 @@ impl TriangleBlock {
 pub enum Stop {
     /// The query has seen enough.
     Enough,
-    /// A hit must be held against its triangle's own box first: the ray is for a loop that does so.
+    /// A hit must be [confirmed](super::watertight::confirmed) first: the ray is for a loop that does so.
     Uncovered,
 }
 

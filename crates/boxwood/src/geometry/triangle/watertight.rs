@@ -12,7 +12,8 @@
 //! *Source.* Woop, Benthin & Wald 2013, *Watertight Ray/Triangle Intersection*; the error of a product: Dekker 1971.
 
 use super::Meeting;
-use crate::geometry::{PreparedRay, Vec3};
+use crate::geometry::double::sub;
+use crate::geometry::{Aabb, PreparedRay, Vec3};
 use crate::math::power_to_one;
 
 /// Below this |determinant| products may have left the normal floats, and the weights with them (2⁻⁸⁰).
@@ -20,8 +21,7 @@ pub(super) const TINY: f32 = 8.271_806e-25;
 
 /// Meets a triangle within `[ray.t_min, t_max]`, edges included, from both sides; `None` for a miss.
 ///
-/// The flag says whether the proof of the slack covers the hit; where not, it counts only inside the triangle's own
-/// padded box (see [`PreparedRay`]).
+/// The flag says whether the proof of the slack covers the hit; where not, it counts only if it is [`confirmed`].
 #[inline(always)]
 pub fn intersect([a, b, c]: [Vec3; 3], ray: &PreparedRay, t_max: f32) -> Option<(Meeting, bool)> {
     if let Some(power) = ray.scaled() {
@@ -29,6 +29,30 @@ pub fn intersect([a, b, c]: [Vec3; 3], ray: &PreparedRay, t_max: f32) -> Option<
     }
     let (x, y, z) = sheared([a, b, c], ray);
     decide(x, y, z, ray, t_max, 1.0)
+}
+
+/// Whether a hit that the proof of the slack does not cover counts all the same.
+///
+/// Inside the doors: where the ray, in double precision, is so near to the point that the weights name as if it were covered. With
+/// `D` the largest |vertex − origin|, that point lies within 8 u D of the triangle, because the weights add up to 1 + 4 u
+/// at most; so a bound of 16 u D puts the ray within 24 u D of a point of the triangle, whatever the place of both in the world.
+/// Outside the doors: in the triangle's own padded box (see [`PreparedRay`]).
+#[cold]
+pub fn confirmed(corners: [Vec3; 3], ray: &PreparedRay, hit: &Meeting) -> bool {
+    if !ray.is_tame() {
+        return ray.is_inside(&Aabb::of(corners), hit.t);
+    }
+    let wide = |v: Vec3| v.to_array().map(f64::from);
+    let (origin, direction) = (wide(ray.origin), wide(ray.direction));
+    let [t, u, v] = [hit.t, hit.u, hit.v].map(f64::from);
+    let seen = corners.map(|corner| sub(wide(corner), origin));
+    let distance = seen.iter().flatten().fold(0.0_f64, |d, x| d.max(x.abs()));
+    let bound = 16.0 / (1 << 24) as f64 * distance;
+    let [a, b, c] = seen;
+    (0..3).all(|k| {
+        let named = a[k] + (b[k] - a[k]) * u + (c[k] - a[k]) * v;
+        (t * direction[k] - named).abs() <= bound
+    })
 }
 
 /// The corners, seen from the ray's origin and sheared so that the ray runs along the third axis.
@@ -150,7 +174,7 @@ fn product_error(a: f32, b: f32, p: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Aabb, Ray};
+    use crate::geometry::Ray;
 
     fn meet(vertices: [[f32; 3]; 3], ray: Ray) -> Option<Meeting> {
         let ray = PreparedRay::new(&ray, 10.0)?;
@@ -224,6 +248,28 @@ mod tests {
                 assert_eq!((hit.t, hit.u, hit.v), (2.0 * size / step, 0.25, 0.5));
                 let around = Aabb::of(vertices);
                 assert!(ray.is_inside(&around, hit.t), "2^{exponent} at 2^{speed}");
+            }
+        }
+    }
+
+    /// Of a triangle too small for the proof, in a scene of ordinary size far from the world's origin and near it.
+    #[test]
+    fn hits_beyond_the_proof_are_held_against_the_triangle() {
+        for far in [0.0, 1.0e6] {
+            let vertices = [[far, 0.0, 0.0], [far, 1.0e-13, 0.0], [far, 0.0, 1.0e-13]];
+            let vertices = vertices.map(Vec3::from);
+            let ray = Ray::new([far - 1.0, 2.0e-14, 3.0e-14], [1.0, 0.0, 0.0]);
+            let ray = PreparedRay::new(&ray, far + 1.0).expect("a good ray");
+            let (hit, covered) = intersect(vertices, &ray, f32::MAX).expect("a hit");
+            assert!(!covered && confirmed(vertices, &ray, &hit));
+            for factor in [0.999_99, 1.000_01] {
+                let off = Meeting {
+                    t: hit.t * factor,
+                    ..hit
+                };
+                // In the padded box of a scene so large, but not on the triangle.
+                assert_eq!(ray.is_inside(&Aabb::of(vertices), off.t), far > 0.0);
+                assert!(!confirmed(vertices, &ray, &off));
             }
         }
     }

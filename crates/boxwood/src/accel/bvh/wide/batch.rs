@@ -10,7 +10,6 @@
 
 use super::WideBvh;
 use super::node::{Child, Heading, Node, WideRay};
-use super::scalar;
 use crate::geometry::triangle::block::{BlockRay, Stop};
 use crate::geometry::{PreparedRay, Ray};
 use crate::primitive::Primitives;
@@ -145,7 +144,7 @@ impl<const N: usize> Slot<N> {
     ) -> bool {
         let slack = bvh.precision.slack();
         for (index, ray) in waiting {
-            if let Some((ray, facing)) = PreparedRay::tame(s, ray, bvh.scale, slack) {
+            if let Some((ray, facing)) = PreparedRay::tame(s, ray, &bvh.frame, slack) {
                 self.heading = Heading::of(s, &facing);
                 self.rows = self.heading.rows();
                 self.ray = ray;
@@ -155,7 +154,7 @@ impl<const N: usize> Slot<N> {
                 stack.begin(Child::NOTHING.0);
                 return true;
             }
-            if let Some(ray) = PreparedRay::new(ray, bvh.scale) {
+            if let Some(ray) = PreparedRay::new(ray, bvh.frame.scale) {
                 bvh.plainly(&ray, &mut queries[index], &mut ());
             }
         }
@@ -219,7 +218,10 @@ impl<const N: usize> Slot<N> {
             }
             Break(Stop::Enough) => self.current = Child::NOTHING,
             Break(Stop::Uncovered) => {
-                scalar::walk(bvh, &self.ray, query, &mut ());
+                // In the world, where primitives want to see it.
+                if let Some(ray) = PreparedRay::new(&self.ray, bvh.frame.scale) {
+                    bvh.plainly(&ray, query, &mut ());
+                }
                 self.current = Child::NOTHING;
             }
         }

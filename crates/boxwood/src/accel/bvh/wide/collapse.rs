@@ -11,6 +11,7 @@ use crate::accel::BuildError;
 use crate::accel::bvh::tree::BinaryTree;
 use crate::accel::limits::Site;
 use crate::geometry::Aabb;
+use crate::geometry::frame::Frame;
 use crate::pieces;
 use crate::primitive::Primitives;
 use crate::simd::Pages;
@@ -37,10 +38,11 @@ impl<const N: usize> Wide<N> {
 }
 
 /// Makes a wide tree of one that lies [depth-first](BinaryTree::is_depth_first), whose leaves made of subtrees hold at most so many
-/// primitives; nothing useful where the site says that the build is over.
+/// primitives, its boxes as seen from the frame; nothing useful where the site says that the build is over.
 pub fn collapse<P: Primitives + Sync, const N: usize>(
     primitives: &P,
     tree: &BinaryTree,
+    frame: &Frame,
     max_leaf: usize,
     gathering: Gathering,
     site: &Site<'_>,
@@ -52,6 +54,7 @@ pub fn collapse<P: Primitives + Sync, const N: usize>(
     let collapse = Collapse {
         primitives,
         tree,
+        frame,
         plan,
         site,
     };
@@ -63,6 +66,7 @@ pub fn collapse<P: Primitives + Sync, const N: usize>(
 struct Collapse<'a, P, const N: usize> {
     primitives: &'a P,
     tree: &'a BinaryTree,
+    frame: &'a Frame,
     plan: Plan<'a, N>,
     site: &'a Site<'a>,
 }
@@ -280,7 +284,8 @@ impl<P: Primitives + Sync, const N: usize> Collapse<'_, P, N> {
             } else {
                 self.leaf(index as usize, places, ids)
             };
-            *slot = (self.tree.nodes[index as usize].bounds, child);
+            let bounds = self.frame.seen(&self.tree.nodes[index as usize].bounds);
+            *slot = (bounds, child);
         }
         (Node::new(&slots[..children.len()]), below.nodes)
     }

@@ -35,7 +35,7 @@ impl<P: Triangles, const N: usize> Hierarchy for WideBvh<P, N> {
         let slots = self.nodes[parent.index()].slots();
         Opened::Inner(slots.map(move |(lane, bounds, child)| {
             let number = Self::number(parent, lane);
-            (bounds, Place { number, child })
+            (self.frame.in_world(&bounds), Place { number, child })
         }))
     }
     #[inline(always)]
@@ -44,7 +44,7 @@ impl<P: Triangles, const N: usize> Hierarchy for WideBvh<P, N> {
     }
     fn slack(&self) -> f64 {
         if self.cut {
-            slack_of_cut(self.scale)
+            slack_of_cut(self.frame.scale)
         } else {
             0.0
         }

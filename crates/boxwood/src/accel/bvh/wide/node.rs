@@ -52,7 +52,7 @@ impl Child {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Node<const N: usize> {
-    /// Lower x, upper x, lower y, upper y, lower z, upper z.
+    /// Lower x, upper x, lower y, upper y, lower z, upper z, as the tree's frame sees them.
     planes: Rows<N, 6>,
     children: [u32; N],
     /// Eight lists of `N` nibbles, one per octant: the children from far to near.
@@ -184,7 +184,7 @@ impl<const N: usize> Node<N> {
         })
     }
 
-    /// The children that are there: lane, box and child.
+    /// The children that are there: lane, box in the tree's frame, and child.
     pub fn slots(&self) -> impl Iterator<Item = (usize, Aabb, Child)> {
         let used = |&lane: &usize| self.children[lane] != Child::NOTHING.0;
         (0..N)
@@ -192,6 +192,7 @@ impl<const N: usize> Node<N> {
             .map(|lane| (lane, self.bounds(lane), self.child(lane)))
     }
 
+    /// The box of a child, as the tree's frame sees it.
     pub fn bounds(&self, lane: usize) -> Aabb {
         let side = |k: usize| Vec3::from([0, 2, 4].map(|axis| self.planes.0[axis + k][lane]));
         Aabb::new(side(0), side(1))

@@ -61,7 +61,7 @@ pub enum Outcome {
 /// Rays made ready to run together. Aligned, for a row that crosses a line of the cache is read at half the pace.
 #[repr(align(64))]
 pub struct Packet {
-    /// In the order of `axes`.
+    /// In the order of `axes`, in the world: triangles stay there.
     origin: [Row; 3],
     shear: [Row; 3],
     inverse: [Row; 3],
@@ -75,7 +75,7 @@ pub struct Packet {
     /// The ranges of `1 / direction`.
     least_inverse: [f32; 3],
     most_inverse: [f32; 3],
-    /// The ranges of the origins, widened by the slack.
+    /// The ranges of the origins as the tree's frame sees them, widened by the slack.
     least_origin: [f32; 3],
     most_origin: [f32; 3],
     children: Vec<u32>,
@@ -124,7 +124,7 @@ impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Together<'_, P, Q, N
             rays,
             queries,
         } = self;
-        if !packet.gather(s, rays, queries, bvh.scale) {
+        if !packet.gather(s, rays, queries, &bvh.frame) {
             return Outcome::Apart;
         }
         let bounds = Bounds::<S, N>::new(s, packet);

@@ -2,9 +2,11 @@
 
 use super::WideBvh;
 use super::node::Child;
-use crate::geometry::PreparedRay;
+use crate::geometry::frame::Frame;
+use crate::geometry::{Aabb, PreparedRay};
 use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Query, Step, Verdict};
+use crate::simd::Portable;
 use alloc::vec::Vec;
 
 /// Shows the primitives that the ray may meet to the query, at any level and for any ray.
@@ -15,9 +17,11 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize>(
     query: &mut Q,
     counters: &mut C,
 ) {
-    let slabs = ray.slabs(&bvh.bounds);
+    let sight = Sight::new(ray, &bvh.frame);
+    let root = bvh.frame.seen(&bvh.bounds);
+    let slabs = sight.slabs(&root);
     let (enter, t_max) = (slabs.0, query.t_max());
-    let entered = ray.enters(&bvh.bounds, t_max).is_some();
+    let entered = sight.enters(&root, t_max).is_some();
     if C::EXPLAINS {
         counters.step(Step::of_box(
             0,
@@ -68,14 +72,14 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize>(
         let from = stack.len();
         let t_max = query.t_max();
         for (lane, bounds, below) in bvh.nodes[child.index()].slots() {
-            if let Some(enter) = ray.enters(&bounds, t_max) {
+            if let Some(enter) = sight.enters(&bounds, t_max) {
                 stack.push((enter, WideBvh::<P, N>::number(child, lane), below));
             } else if C::EXPLAINS {
                 let number = WideBvh::<P, N>::number(child, lane);
-                let slabs = ray.slabs(&bounds);
+                let slabs = sight.slabs(&bounds);
                 counters.step(Step::of_box(
                     number,
-                    bounds,
+                    bvh.frame.in_world(&bounds),
                     slabs,
                     ray.t_min,
                     t_max,
@@ -96,12 +100,50 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize>(
                 } else {
                     Verdict::Deferred
                 };
-                let slabs = ray.slabs(&bounds);
+                let slabs = sight.slabs(&bounds);
                 counters.step(Step::of_box(
-                    number, bounds, slabs, ray.t_min, t_max, otherwise,
+                    number,
+                    bvh.frame.in_world(&bounds),
+                    slabs,
+                    ray.t_min,
+                    t_max,
+                    otherwise,
                 ));
             }
         }
+    }
+}
+
+/// How a ray meets boxes that a frame sees: as the loops in lanes do, so that explanations tell of the same steps; outside the
+/// doors in the world, which double precision tells apart anywhere.
+struct Sight<'a> {
+    ray: PreparedRay,
+    frame: Option<&'a Frame>,
+}
+
+impl<'a> Sight<'a> {
+    fn new(ray: &PreparedRay, frame: &'a Frame) -> Self {
+        match PreparedRay::tame(Portable, ray, frame, PreparedRay::SLACK) {
+            Some((ray, _)) => Self { ray, frame: None },
+            None => Self {
+                ray: *ray,
+                frame: Some(frame),
+            },
+        }
+    }
+
+    fn met(&self, b: &Aabb) -> Aabb {
+        self.frame.map_or(*b, |frame| frame.in_world(b))
+    }
+
+    /// As [`PreparedRay::slabs`].
+    fn slabs(&self, b: &Aabb) -> (f32, f32) {
+        self.ray.slabs(&self.met(b))
+    }
+
+    /// As [`PreparedRay::enters`].
+    fn enters(&self, b: &Aabb, t_max: f32) -> Option<f32> {
+        self.ray.enters(&self.met(b), t_max)
     }
 }
 

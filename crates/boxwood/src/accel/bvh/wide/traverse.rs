@@ -26,7 +26,8 @@ impl<P: Primitives, Q: Query, C: Counters, const N: usize> Kernel<N> for One<'_,
     type Output = ControlFlow<Stop>;
     #[inline(always)]
     fn run<S: Simd + Lanes<N>>(self, s: S) -> ControlFlow<Stop> {
-        match PreparedRay::tame(s, self.ray, self.bvh.scale, self.bvh.precision.slack()) {
+        let slack = self.bvh.precision.slack();
+        match PreparedRay::tame(s, self.ray, &self.bvh.frame, slack) {
             Some((ray, facing)) => walk(s, self.bvh, &ray, &facing, self.query, self.counters),
             None => Break(Stop::Uncovered),
         }

@@ -62,7 +62,7 @@ impl<P: Primitives + Sync, const N: usize> WideBvh<P, N> {
         whole(self.cut == (seen.places > self.primitives.len()), "cut")?;
         // Rays and their slack go by these: those of the judge, no others.
         whole(self.bounds == seen.around, "bounds")?;
-        whole(self.scale == self.bounds.scale(), "bounds")?;
+        
         whole(self.depth == self.depth_of_nodes(), "depth")?;
         if self.depth > MAX_DEPTH {
             return Err(TreeFlaw::TooDeep { node: 0 });

@@ -2,6 +2,7 @@
 
 use super::{GROUPS, LANES, Packet, RAYS, ROW};
 use crate::accel::bvh::wide::node::Heading;
+use crate::geometry::frame::Frame;
 use crate::geometry::{PreparedRay, Ray};
 use crate::query::Query;
 use crate::simd::{F, Floats, Lanes, Mask};
@@ -20,12 +21,12 @@ impl Packet {
         s: S,
         rays: &[Ray],
         queries: &[Q],
-        scale: f32,
+        frame: &Frame,
     ) -> bool {
         let Some(first) = rays.first() else {
             return false;
         };
-        if rays.len() > RAYS || !PreparedRay::is_tame_scene(scale) {
+        if rays.len() > RAYS || !PreparedRay::is_tame_scene(frame.scale) {
             return false;
         }
         let kz = first.direction.abs().max_axis();
@@ -105,8 +106,14 @@ impl Packet {
             if alike.bits() != u32::MAX >> (32 - LANES) {
                 return false;
             }
-            let reach = distance[0].max(distance[1]).max(distance[2]);
-            let slack = splat(s, self.precision.slack()) * (splat(s, scale) + reach);
+            let [cx, cy, cz, _] = frame.centre;
+            let seen = [
+                o[0] - splat(s, cx),
+                o[1] - splat(s, cy),
+                o[2] - splat(s, cz),
+            ];
+            let reach = seen[0].abs().max(seen[1].abs()).max(seen[2].abs());
+            let slack = splat(s, self.precision.slack()) * (splat(s, frame.reach) + reach);
             let floor = splat(s, PreparedRay::FLOOR) * size[kz];
             for k in 0..3 {
                 let raised = if self.heading.is_down(k) {
@@ -116,14 +123,14 @@ impl Packet {
                 };
                 let inverse = one / raised;
                 let pad = inverse.abs() * slack;
-                let back = (zero - o[k]) * inverse;
+                let back = (zero - seen[k]) * inverse;
                 self.inverse[k][group] = inverse.to_array();
                 self.enter[k][group] = (back - pad).to_array();
                 self.leave[k][group] = (back + pad).to_array();
                 least_inverse[k] = least_inverse[k].min(inverse);
                 most_inverse[k] = most_inverse[k].max(inverse);
-                least_origin[k] = least_origin[k].min(o[k] - slack);
-                most_origin[k] = most_origin[k].max(o[k] + slack);
+                least_origin[k] = least_origin[k].min(seen[k] - slack);
+                most_origin[k] = most_origin[k].max(seen[k] + slack);
             }
             self.shear[0][group] = (d[kx] / d[kz]).to_array();
             self.shear[1][group] = (d[ky] / d[kz]).to_array();

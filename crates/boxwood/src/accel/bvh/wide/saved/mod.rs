@@ -258,7 +258,7 @@ where
         let bounds = Aabb::new([a, b, c], [d, e, f]);
         Ok(Self {
             bounds,
-            scale: bounds.scale(),
+            frame: Self::frame_of(&bounds),
             primitives,
             root: Child(header.root),
             nodes: Pages::zeroed(nodes).ok_or_else(|| no_memory.clone())?,
