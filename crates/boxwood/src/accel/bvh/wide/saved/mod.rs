@@ -90,10 +90,12 @@ pub enum OpenError<E> {
     Saved(#[from] SavedError),
 }
 
-impl<P: Primitives + Sync, const N: usize> WideBvh<P, N> {
+impl<P, const N: usize> WideBvh<P, N> {
     /// The version of the format that [`save`](Self::save) writes, and the only one that [`open`](Self::open) reads.
     pub const SAVED_VERSION: u32 = VERSION;
+}
 
+impl<P: Primitives + Sync, const N: usize> WideBvh<P, N> {
     /// Writes the tree, without its primitives, piece after piece.
     ///
     /// The same tree gives the same bytes on every machine. To whom a half-written file would do harm, it should be written beside
