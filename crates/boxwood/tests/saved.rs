@@ -427,6 +427,6 @@ fn builders_make_the_trees_of_their_revision() {
             WideSah::<16>::REVISION,
             hash(WideSah::<16>::default().build(&mesh).to_bytes())
         ),
-        (1, 0)
+        (1, 17_144_432_844_857_190_071_676_710_731_205_844_113)
     );
 }

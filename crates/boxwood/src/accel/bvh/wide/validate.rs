@@ -50,16 +50,16 @@ impl<P: Primitives + Sync, const N: usize> WideBvh<P, N> {
         }) {
             seen = seen.and(&piece?);
         }
-        let missing = |flaw: fn(usize) -> TreeFlaw| move |place| Err(flaw(place));
-        let parentless = |node| TreeFlaw::Parents { node, parents: 0 };
-        let leafless = |place| TreeFlaw::Place { place, leaves: 0 };
-        let absent = |primitive| TreeFlaw::Times {
+        marks
+            .nodes
+            .all_set(|node| TreeFlaw::Parents { node, parents: 0 })?;
+        marks
+            .blocks
+            .all_set(|place| TreeFlaw::Place { place, leaves: 0 })?;
+        (marks.primitives).all_set(|primitive| TreeFlaw::Times {
             primitive,
             times: 0,
-        };
-        (marks.nodes.first_unset()).map_or(Ok(()), missing(parentless))?;
-        (marks.blocks.first_unset()).map_or(Ok(()), missing(leafless))?;
-        (marks.primitives.first_unset()).map_or(Ok(()), missing(absent))?;
+        })?;
         let whole = |is: bool, what| is.then_some(()).ok_or(TreeFlaw::Whole { what });
         whole(self.cut == (seen.places > self.primitives.len()), "cut")?;
         // Rays and their slack go by these: those of the judge, no others.
@@ -300,11 +300,16 @@ impl Bits {
         let bit = 1 << (i % 32);
         self.words[i / 32].fetch_or(bit, Relaxed) & bit != 0
     }
-    fn first_unset(&self) -> Option<usize> {
-        let (word, bits) = self.words.iter().enumerate().find_map(|(i, word)| {
-            let bits = word.load(Relaxed);
-            (bits != u32::MAX).then_some((i, bits))
-        })?;
-        Some(32 * word + bits.trailing_ones() as usize).filter(|&i| i < self.len)
+    /// What `flaw` says of the first bit that is not set.
+    fn all_set(&self, flaw: impl Fn(usize) -> TreeFlaw) -> Result<(), TreeFlaw> {
+        let words = self.words.iter().map(|word| word.load(Relaxed));
+        let unset = (0..)
+            .zip(words)
+            .find(|&(_, bits)| bits != u32::MAX)
+            .map(|(word, bits): (usize, _)| 32 * word + bits.trailing_ones() as usize);
+        match unset {
+            Some(i) if i < self.len => Err(flaw(i)),
+            _ => Ok(()),
+        }
     }
 }
