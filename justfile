@@ -24,7 +24,7 @@ deny:
 
 # Ten minutes of fuzzing on each target.
 fuzz seconds="600":
-    for target in structures obj ply stl gltf; do cargo +nightly fuzz run --fuzz-dir fuzz $target -- -max_total_time={{seconds}} -rss_limit_mb=2048 -timeout=10 || exit 1; done
+    for target in structures bxw obj ply stl gltf; do cargo +nightly fuzz run --fuzz-dir fuzz $target -- -max_total_time={{seconds}} -rss_limit_mb=2048 -timeout=10 || exit 1; done
 
 # The pictures of the gallery that need no files.
 gallery:

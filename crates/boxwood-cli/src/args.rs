@@ -83,6 +83,7 @@ Examples:
   boxwood render bunny.ply --view cost --accel bvh:median -o cost.png
   boxwood render teapot-in-stadium --camera overview --size 640x360 -o - | display
   boxwood render city:2000,seed=3 -o city.png
+  boxwood render terrain:5M --cache            quicker to begin the second time
   boxwood render sponge:6 --camera inside      768 million triangles, by instances")]
 pub struct RenderArgs {
     /// A scene file (.obj, .ply, .stl, .gltf, .glb), or the name of a built-in scene
@@ -276,7 +277,30 @@ pub struct TracingArgs {
     pub accel: StructureKind,
 
     #[command(flatten)]
+    pub cache: CacheArgs,
+
+    #[command(flatten)]
     pub threads: ThreadArgs,
+}
+
+/// Where trees are kept from one run to the next.
+#[derive(Args, Debug)]
+pub struct CacheArgs {
+    /// Keep wide trees from one run to the next, by default in the user's folder for caches
+    ///
+    /// That is $XDG_CACHE_HOME/boxwood, or ~/.cache/boxwood (on macOS ~/Library/Caches/boxwood, on Windows
+    /// %LOCALAPPDATA%\boxwood). A tree is found again by the contents of its mesh and its settings, and looked at from end to
+    /// end before it is used: the answers are the same bits with and without. Small trees are not kept. The folder may be
+    /// emptied at any time.
+    #[arg(
+        long,
+        value_name = "DIR",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "",
+        value_parser = values::folder
+    )]
+    pub cache: Option<PathBuf>,
 }
 
 /// What traces fastest on most machines.

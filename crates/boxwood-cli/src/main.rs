@@ -1,7 +1,7 @@
 //! The `boxwood` command: render, inspect and query real scenes, compare structures.
 //!
 //! *How it is laid out.* `args` says what the command line may say; each verb has a file or a folder (`render`, `info`, `cast`, `query`,
-//! `compare`, `inspect`, `explain`, `figure`, `shell`); `scene_file` finds the scene and `camera` its viewer, `output` writes files whole or
+//! `compare`, `inspect`, `explain`, `figure`, `shell`); `scene_file` finds the scene and `camera` its viewer, `cache` keeps trees from one run to the next, `output` writes files whole or
 //! not at all, `npy`, `npz` and `table` speak NumPy, `svg` draws, `terminal` and `progress` speak to people.
 //!
 //! *What can be relied on.* Exit code 0 for success, 1 for bad input or a refusal of the system, with one sentence on
@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod cache;
 mod camera;
 mod cast;
 mod compare;

@@ -1,14 +1,14 @@
 //! Files out: written beside their place, then renamed, so that nobody ever sees half a file.
 //!
 //! *How it works.* [`Destination::check`] finds out before any work whether the file will be writable, by making and
-//! removing a temporary file in its folder. [`Destination::write`] makes one again, fills it and renames it over the
+//! removing a temporary file in its folder. [`write_whole`] makes one again, fills it and renames it over the
 //! destination. Ctrl-C (and SIGTERM) removes the temporary file before the program ends, so that an interrupted command
 //! leaves the folder as it was. On systems without such signals the temporary file can stay behind when the command is
 //! ended within the moment of writing.
 
 use crate::failure::{Failure, Outcome};
 use crate::terminal;
-use std::fs::{self, Metadata};
+use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -80,20 +80,25 @@ impl Destination {
 
     /// Writes the whole file, or nothing.
     pub fn write(&self, bytes: &[u8]) -> Outcome {
-        let path = match self {
-            Self::Stdout => return terminal::pour(bytes),
-            Self::File(path) => path,
-        };
-        let failed = |e: io::Error| Failure::file(path, format_args!("cannot be written: {e}"));
-        let target = Target::of(path)?;
-        let Some(folder) = target.folder() else {
-            return fs::write(path, bytes).map_err(failed);
-        };
-        stop_cleanly()?;
-        let mut file = Temporary::new(folder).map_err(failed)?;
-        file.fill(bytes).map_err(failed)?;
-        file.rename(&target).map_err(failed)
+        match self {
+            Self::Stdout => terminal::pour(bytes),
+            Self::File(path) => write_whole(path, |file| file.write_all(bytes)),
+        }
     }
+}
+
+/// Writes the whole file that `fill` makes, or nothing.
+pub fn write_whole(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Outcome {
+    let failed = |e: io::Error| Failure::file(path, format_args!("cannot be written: {e}"));
+    let target = Target::of(path)?;
+    let Some(folder) = target.folder() else {
+        let opened = OpenOptions::new().write(true).truncate(true).open(path);
+        return opened.and_then(|mut file| fill(&mut file)).map_err(failed);
+    };
+    stop_cleanly()?;
+    let mut file = Temporary::new(folder).map_err(failed)?;
+    file.fill(fill).map_err(failed)?;
+    file.rename(&target).map_err(failed)
 }
 
 /// Says why no file can be made in a folder.
@@ -165,9 +170,9 @@ impl Temporary {
         Ok(Self(Some(file)))
     }
 
-    fn fill(&mut self, bytes: &[u8]) -> io::Result<()> {
+    fn fill(&mut self, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
         match &mut self.0 {
-            Some(file) => file.as_file_mut().write_all(bytes),
+            Some(file) => fill(file.as_file_mut()),
             None => Ok(()),
         }
     }

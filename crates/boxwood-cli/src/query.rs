@@ -1,6 +1,7 @@
 //! `boxwood query`: batches of points from NumPy files against a scene.
 
 use crate::args::{QueryArgs, Question};
+use crate::cache::{Cache, CacheUse};
 use crate::cast::add_located;
 use crate::failure::Outcome;
 use crate::npz::Archive;
@@ -10,7 +11,8 @@ use crate::scene_file;
 use crate::table::{self, Table};
 use crate::terminal::{self, Channel, counted, seconds};
 use boxwood::proximity::{ClosestPoint, Winding};
-use boxwood::{Proximity, WideSah};
+use boxwood::{Proximity, StructureKind, WideSah};
+use boxwood_render::kept_wide8;
 use boxwood_scene::FlatScene;
 use serde::Serialize;
 use std::io;
@@ -25,6 +27,8 @@ struct Report {
     build_seconds: f64,
     query_seconds: f64,
     threads: usize,
+    /// `null` without `--cache`.
+    cache: Option<CacheUse>,
 }
 
 pub fn run(args: &QueryArgs) -> Outcome {
@@ -38,10 +42,15 @@ pub fn run(args: &QueryArgs) -> Outcome {
         let file = scene_file::open(&args.scene)?;
         terminal::warnings(&file.name, &file.scene.warnings);
         let flat = file.flatten()?;
+        let cache = Cache::open(&args.cache, StructureKind::Wide8(WideSah::default()))?;
         let start = Instant::now();
         let tree = {
             let _progress = Progress::spinner("Building a tree");
-            WideSah::<8>::default().build(&flat.mesh)
+            let builder = WideSah::<8>::default();
+            match &cache {
+                Some(cache) => kept_wide8(&builder, &flat.mesh, &**cache),
+                None => builder.build(&flat.mesh),
+            }
         };
         let build_seconds = start.elapsed().as_secs_f64();
         let start = Instant::now();
@@ -55,6 +64,7 @@ pub fn run(args: &QueryArgs) -> Outcome {
             build_seconds,
             query_seconds: start.elapsed().as_secs_f64(),
             threads,
+            cache: Cache::use_of(cache.as_deref()),
         };
         if let Some(output) = &output {
             let _progress = Progress::spinner("Writing");
@@ -178,7 +188,11 @@ impl Report {
             _ => format!("{} found", counted(self.found, "triangle")),
         };
         let mut text = format!("{}, {found}\n", counted(self.points, "point"));
-        text += &format!("built   a tree in {}\n", seconds(self.build_seconds));
+        let (built, from) = CacheUse::said(self.cache.as_ref());
+        text += &format!(
+            "{built:<8}a tree{from} in {}\n",
+            seconds(self.build_seconds)
+        );
         text += &format!(
             "asked   in {} with {}",
             seconds(self.query_seconds),

@@ -1,17 +1,19 @@
 //! `boxwood render`: a picture of a scene.
 
 use crate::args::RenderArgs;
+use crate::cache::{Cache, CacheUse};
 use crate::camera;
 use crate::failure::{Failure, Outcome};
 use crate::output::Destination;
 use crate::progress::Progress;
 use crate::scene_file;
 use crate::terminal::{self, counted, seconds};
-use boxwood_render::{Film, Options, Pixel, PngOptions, RenderError, Renderer, Setup};
+use boxwood_render::{Film, Options, Pixel, PngOptions, RenderError, Renderer, Setup, Shelf};
 use boxwood_scene::Image;
 use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Pictures whose making takes more memory are announced.
@@ -41,6 +43,8 @@ struct Report<'a> {
     structure: String,
     /// Of all structures and instances, without meshes.
     structure_bytes: u64,
+    /// `null` without `--cache`.
+    cache: Option<CacheUse>,
     threads: usize,
     load_seconds: f64,
     /// Triangles laid out, structure built, images decoded.
@@ -85,10 +89,12 @@ fn picture(
         ));
     }
 
+    let cache = Cache::open(&args.tracing.cache, args.tracing.accel)?;
     let setup = Setup {
         structure: args.tracing.accel,
         environment,
         flatten: args.flatten,
+        shelf: cache.clone().map(|cache| cache as Arc<dyn Shelf>),
     };
     let start = Instant::now();
     let renderer = {
@@ -147,6 +153,7 @@ fn picture(
         triangles: file.scene.triangle_count(),
         structure: args.tracing.accel.to_string(),
         structure_bytes: renderer.layout().bytes() as u64,
+        cache: Cache::use_of(cache.as_deref()),
         threads,
         load_seconds: file.seconds,
         build_seconds,
@@ -179,9 +186,10 @@ impl Report<'_> {
         } else {
             String::new()
         };
+        let (built, from) = CacheUse::said(self.cache.as_ref());
         format!(
             "scene   {}: {}{camera}\n\
-             loaded  in {}, built {} in {} ({})\n\
+             loaded  in {}, {built} {}{from} in {} ({})\n\
              traced  in {} with {}{help}\n\
              wrote   {place} ({}x{}, {}, {}, {})",
             self.scene,

@@ -7,8 +7,8 @@
 //!
 //! *Cost.* Memory for each mesh once; 132 bytes an instance, and what the structure over them takes.
 
-use crate::RenderError;
 use crate::structure::{over_instances, over_mesh};
+use crate::{RenderError, Shelf};
 use boxwood::{
     Affine, Hit, Instances, Intersect, Object, Ray, StructureKind, Surface, Surfaces, TriangleMesh,
     Vec3,
@@ -34,6 +34,22 @@ pub struct Layout {
     bytes: usize,
 }
 
+/// How structures come about.
+#[derive(Clone, Copy)]
+struct Made<'a> {
+    kind: StructureKind,
+    shelf: Option<&'a dyn Shelf>,
+}
+
+impl Made<'_> {
+    fn over_mesh(self, mesh: &Arc<TriangleMesh>) -> Arc<dyn Intersect> {
+        over_mesh(self.kind, mesh, self.shelf)
+    }
+    fn over_instances(self, set: &Arc<Instances>) -> Arc<dyn Intersect> {
+        over_instances(self.kind, set, self.shelf)
+    }
+}
+
 /// The number that the object of what is laid out has; meshes have their own.
 const LAID_OUT: u32 = u32::MAX;
 
@@ -44,6 +60,20 @@ impl Layout {
     /// # Errors
     /// When a placement moves a vertex beyond the floats, or there are more triangles or placements than can be numbered.
     pub fn new(scene: &Scene, kind: StructureKind, flatten: bool) -> Result<Self, RenderError> {
+        Self::kept(scene, kind, flatten, None)
+    }
+
+    /// The same; wide trees come from the shelf, where there is one.
+    ///
+    /// # Errors
+    /// As [`Layout::new`].
+    pub fn kept(
+        scene: &Scene,
+        kind: StructureKind,
+        flatten: bool,
+        shelf: Option<&dyn Shelf>,
+    ) -> Result<Self, RenderError> {
+        let made = Made { kind, shelf };
         let repeated = if flatten {
             vec![false; scene.meshes.len()]
         } else {
@@ -54,19 +84,19 @@ impl Layout {
                 repeated[placed.mesh as usize] && Instances::can_place(&placed.transform)
             });
         if apart.is_empty() && (flatten || scene.placed_groups.is_empty()) {
-            return Self::laid_out(scene.flatten()?, kind, scene.first_triangles());
+            return Self::laid_out(scene.flatten()?, made, scene.first_triangles());
         }
-        let base = Self::laid_out(scene.lay_out(&once)?, kind, scene.first_triangles())?;
-        base.with_instances(scene, kind, &repeated, apart)
+        let base = Self::laid_out(scene.lay_out(&once)?, made, scene.first_triangles())?;
+        base.with_instances(scene, made, &repeated, apart)
     }
 
     fn laid_out(
         mut flat: FlatScene,
-        kind: StructureKind,
+        made: Made<'_>,
         firsts: Vec<u32>,
     ) -> Result<Self, RenderError> {
         let mesh = Arc::new(std::mem::take(&mut flat.mesh));
-        let structure = over_mesh(kind, &mesh);
+        let structure = made.over_mesh(&mesh);
         Ok(Self {
             bytes: structure.statistics().bytes,
             structure,
@@ -83,7 +113,7 @@ impl Layout {
     fn with_instances(
         self,
         scene: &Scene,
-        kind: StructureKind,
+        made: Made<'_>,
         repeated: &[bool],
         mut apart: Vec<Instance>,
     ) -> Result<Self, RenderError> {
@@ -102,7 +132,7 @@ impl Layout {
             };
             let kept = Arc::new(kept);
             if repeated {
-                within.push(over_mesh(kind, &kept));
+                within.push(made.over_mesh(&kept));
             }
             objects.push(
                 repeated.then(|| {
@@ -116,7 +146,7 @@ impl Layout {
             let set = Self::set(scene, &objects, &group.instances, &group.groups, None)?;
             let set = Arc::new(set);
             bytes += set.bytes();
-            let structure = over_instances(kind, &set);
+            let structure = made.over_instances(&set);
             within.push(structure.clone());
             objects.push(Some(Object::of_instances(set, structure)?));
         }
@@ -145,7 +175,7 @@ impl Layout {
             Some(laid_out),
         )?;
         let set = Arc::new(set);
-        let structure = over_instances(kind, &set);
+        let structure = made.over_instances(&set);
         bytes += set.bytes() + structure.statistics().bytes;
         bytes += within[1..]
             .iter()

@@ -27,6 +27,7 @@ mod layout;
 mod render;
 mod sample;
 mod shade;
+mod shelf;
 mod structure;
 mod views;
 pub mod workload;
@@ -36,7 +37,8 @@ pub use error::RenderError;
 pub use film::{Film, Pixel, PngOptions};
 pub use layout::Layout;
 pub use render::{Options, Renderer, Setup};
-pub use structure::build_structure;
+pub use shelf::{Shelf, kept_wide8, kept_wide16};
+pub use structure::{build_structure, kept_structure};
 pub use views::{HeatScale, UnknownView, View, inferno, inferno_srgb};
 
 /// The README's example compiles.

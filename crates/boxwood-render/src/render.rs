@@ -8,11 +8,12 @@ use crate::sample::{Samples, tent};
 use crate::shade::light::Lamp;
 use crate::shade::whitted::{Branch, Seen, Sent, Tracer, WAVE};
 use crate::world::World;
-use crate::{RenderError, View};
+use crate::{RenderError, Shelf, View};
 use boxwood::inspect::Statistics;
 use boxwood::{Ray, StructureKind, TraversalStats, Vec3};
 use boxwood_scene::{Camera, Image, Scene};
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How a scene is made ready.
@@ -27,6 +28,8 @@ pub struct Setup {
     /// takes far less memory; the rays that they meet are then computed in each mesh's own space, so that the last bits of
     /// pictures differ.
     pub flatten: bool,
+    /// Where wide trees are kept from one run to the next.
+    pub shelf: Option<Arc<dyn Shelf>>,
 }
 
 /// What a picture should be.

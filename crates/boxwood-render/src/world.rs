@@ -107,7 +107,12 @@ impl World {
         } else {
             Vec3::from(scene.up).normalized()
         };
-        let layout = Layout::new(scene, setup.structure, setup.flatten)?;
+        let layout = Layout::kept(
+            scene,
+            setup.structure,
+            setup.flatten,
+            setup.shelf.as_deref(),
+        )?;
         let (materials, textures) = material::prepare(scene, warnings);
         let bounds = layout.structure().bounds();
 

@@ -1,7 +1,7 @@
 //! Every structure returns the bits of the judge, however it is asked.
 
 use crate::structures;
-use boxwood::{BruteForce, Hit, Intersect, Primitives, Ray, TraversalStats, exactly};
+use boxwood::{Aabb, BruteForce, Hit, Intersect, Primitives, Ray, TraversalStats, exactly};
 use std::ops::ControlFlow::Continue;
 
 /// How much was compared: a test that hits nothing tests nothing.
@@ -18,13 +18,51 @@ pub struct Compared {
 /// # Panics
 /// At the first answer that differs from the judge's by a bit, naming structure, question, `case` and ray.
 pub fn check<P: Primitives + Send + Sync>(primitives: &P, rays: &[Ray], case: &str) -> Compared {
-    let judge = BruteForce::new(primitives);
-    let expected: Vec<Expected> = rays.iter().map(|ray| Expected::of(&judge, ray)).collect();
+    let expected = Judged::of(primitives, rays);
     for entry in structures::all() {
         let (name, structure) = (entry.name(), entry.build(primitives));
+        expected.check(&*structure, &name, case);
+    }
+    expected.compared()
+}
+
+/// The same of one structure, however it was made.
+///
+/// # Panics
+/// As [`check`].
+pub fn check_one<P: Primitives + Send + Sync>(
+    structure: &dyn Intersect,
+    primitives: &P,
+    rays: &[Ray],
+    case: &str,
+) -> Compared {
+    let expected = Judged::of(primitives, rays);
+    expected.check(structure, "the structure", case);
+    expected.compared()
+}
+
+/// What the judge says of some rays.
+struct Judged<'a> {
+    bounds: Aabb,
+    rays: &'a [Ray],
+    answers: Vec<Expected>,
+}
+
+impl<'a> Judged<'a> {
+    fn of<P: Primitives + Send + Sync>(primitives: &P, rays: &'a [Ray]) -> Self {
+        let judge = BruteForce::new(primitives);
+        Self {
+            bounds: Intersect::bounds(&judge),
+            rays,
+            answers: rays.iter().map(|ray| Expected::of(&judge, ray)).collect(),
+        }
+    }
+
+    fn check(&self, structure: &dyn Intersect, name: &str, case: &str) {
+        let rays = self.rays;
         assert_eq!(
             bounds_bits(structure.bounds()),
-            bounds_bits(Intersect::bounds(&judge)),
+            bounds_bits(self.bounds),
             "bounds of {name}, {case}"
         );
         let mut closest = vec![None; rays.len()];
@@ -33,9 +71,9 @@ pub fn check<P: Primitives + Send + Sync>(primitives: &P, rays: &[Ray], case: &s
         structure.occluded_each(rays, &mut occluded);
         let mut occluders = vec![None; rays.len()];
         structure.occluders(rays, &mut occluders);
-        for (i, (ray, expected)) in rays.iter().zip(&expected).enumerate() {
+        for (i, (ray, expected)) in rays.iter().zip(&self.answers).enumerate() {
             let question = |what: &str| format!("{what} of {name}, {case}, ray {i}: {ray:?}");
-            expected.holds_for(&*structure, ray, &question);
+            expected.holds_for(structure, ray, &question);
             let first = expected.all.first().copied();
             assert_eq!(closest[i].map(Bits::of), first, "{}", question("batch"));
             assert_eq!(
@@ -55,9 +93,13 @@ pub fn check<P: Primitives + Send + Sync>(primitives: &P, rays: &[Ray], case: &s
             );
         }
     }
-    Compared {
-        rays: rays.len(),
-        hits: expected.iter().filter(|e| !e.all.is_empty()).count(),
+
+    fn compared(&self) -> Compared {
+        let hits = self.answers.iter().filter(|e| !e.all.is_empty());
+        Compared {
+            rays: self.rays.len(),
+            hits: hits.count(),
+        }
     }
 }
 
@@ -87,7 +129,7 @@ fn bits(hits: Vec<Hit>) -> Vec<Bits> {
     hits.into_iter().map(Bits::of).collect()
 }
 
-fn bounds_bits(b: boxwood::Aabb) -> [u32; 6] {
+fn bounds_bits(b: Aabb) -> [u32; 6] {
     let [[a, b, c], [d, e, f]] = [b.lower, b.upper].map(|p| p.to_array());
     // Zeros of both signs bound the same space.
     [a, b, c, d, e, f].map(|x| if x == 0.0 { 0 } else { x.to_bits() })

@@ -10,6 +10,7 @@
 pub mod adversary;
 pub mod agreement;
 pub mod bytes;
+pub mod forged;
 pub mod oracle;
 pub mod placed;
 pub mod random;

@@ -1,6 +1,6 @@
 //! What `boxwood query` may be told.
 
-use super::{ThreadArgs, scene_help, values};
+use super::{CacheArgs, ThreadArgs, scene_help, values};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
@@ -48,6 +48,9 @@ pub struct QueryArgs {
     /// Where the answers go: a NumPy .npz file, or `-` for standard output; without it they are only counted
     #[arg(short, long, value_name = "FILE", global = true)]
     pub output: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub cache: CacheArgs,
 
     #[command(flatten)]
     pub threads: ThreadArgs,

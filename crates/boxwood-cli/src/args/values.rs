@@ -1,6 +1,8 @@
 //! Values of flags that are more than a word or a number.
 
+use std::convert::Infallible;
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::str::FromStr;
 
 /// The longest side of a picture that is accepted at all.
@@ -248,6 +250,11 @@ pub fn radius(text: &str) -> Result<f32, String> {
         Ok(radius) if radius >= 0.0 => Ok(radius),
         _ => Err("expected a length that is not negative".to_string()),
     }
+}
+
+/// A folder; the empty one stands for the usual one.
+pub fn folder(text: &str) -> Result<PathBuf, Infallible> {
+    Ok(PathBuf::from(text))
 }
 
 /// Joins `--eye 1 2 3` to `--eye 1,2,3`: three numbers after a flag that wants a vector are its value. Anything else stays

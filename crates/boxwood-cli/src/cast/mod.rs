@@ -4,6 +4,7 @@ mod answers;
 mod rays;
 
 use crate::args::CastArgs;
+use crate::cache::{Cache, CacheUse};
 use crate::failure::{Failure, Outcome};
 use crate::output::Destination;
 use crate::progress::Progress;
@@ -11,7 +12,7 @@ use crate::scene_file;
 use crate::terminal::{self, Channel, counted, seconds};
 use answers::Question;
 pub use answers::add_located;
-use boxwood_render::Layout;
+use boxwood_render::{Layout, Shelf};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -28,6 +29,8 @@ struct Report {
     threads: usize,
     /// Of the structure, without the triangles.
     bytes: u64,
+    /// `null` without `--cache`.
+    cache: Option<CacheUse>,
 }
 
 pub fn run(args: &CastArgs) -> Outcome {
@@ -41,10 +44,12 @@ pub fn run(args: &CastArgs) -> Outcome {
         let file = scene_file::open(&args.scene)?;
         terminal::warnings(&file.name, &file.scene.warnings);
         let kind = args.tracing.accel;
+        let cache = Cache::open(&args.tracing.cache, kind)?;
+        let shelf = cache.as_deref().map(|cache| cache as &dyn Shelf);
         let start = Instant::now();
         let layout = {
             let _progress = Progress::spinner(format!("Building {kind}"));
-            Layout::new(&file.scene, kind, args.flatten)
+            Layout::kept(&file.scene, kind, args.flatten, shelf)
                 .map_err(|error| Failure::new(format!("{}: {error}", file.name)))?
         };
         let build_seconds = start.elapsed().as_secs_f64();
@@ -81,6 +86,7 @@ pub fn run(args: &CastArgs) -> Outcome {
             structure: kind.to_string(),
             threads,
             bytes: layout.bytes() as u64,
+            cache: Cache::use_of(cache.as_deref()),
         };
         if let Some(output) = &output {
             let _progress = Progress::spinner("Writing");
@@ -101,8 +107,9 @@ impl Report {
             _ => counted(self.hits, "hit"),
         };
         let mut text = format!("{}, {found}\n", counted(self.rays, "ray"));
+        let (built, from) = CacheUse::said(self.cache.as_ref());
         text += &format!(
-            "built   {} in {} ({})\n",
+            "{built:<8}{}{from} in {} ({})\n",
             self.structure,
             seconds(self.build_seconds),
             terminal::bytes(self.bytes)

@@ -5,15 +5,16 @@ pub mod story;
 mod text;
 
 use crate::args::ExplainArgs;
+use crate::cache::Cache;
 use crate::camera;
 use crate::failure::{Failure, Outcome};
 use crate::output::Destination;
 use crate::progress::Progress;
 use crate::scene_file::{self, SceneFile};
 use crate::terminal::{self, Channel};
-use boxwood::{BruteForce, Hit, Intersect, Limits, Ray};
-use boxwood_render::build_structure;
+use boxwood::{BruteForce, Hit, Intersect, Ray};
 use boxwood_render::camera::pixel_ray;
+use boxwood_render::{Shelf, kept_structure};
 use boxwood_scene::FlatScene;
 use serde::Serialize;
 use story::{Story, Summary, Told};
@@ -70,9 +71,11 @@ pub fn run(args: &ExplainArgs) -> Outcome {
         let ray = ray(args, &file)?;
         let flat = file.flatten()?;
         let kind = args.tracing.accel;
+        let cache = Cache::open(&args.tracing.cache, kind)?;
         let structure = {
             let _progress = Progress::spinner(format!("Building {kind}"));
-            build_structure(kind, &flat.mesh, &Limits::NONE)?
+            let shelf = cache.as_deref().map(|cache| cache as &dyn Shelf);
+            kept_structure(kind, &flat.mesh, shelf)
         };
         let story = Story::of(&*structure, &ray);
         let hit = structure.closest_hit(&ray);

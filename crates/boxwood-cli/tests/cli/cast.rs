@@ -46,6 +46,7 @@ fn the_nearest_hits() {
         [
             "build_seconds",
             "bytes",
+            "cache",
             "hits",
             "mrays_per_second",
             "rays",

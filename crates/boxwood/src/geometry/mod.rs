@@ -1,6 +1,7 @@
 //! Shapes and their tests; knows nothing of trees.
 
 mod aabb;
+pub(crate) mod cover;
 mod cuboid;
 mod cylinder;
 mod disc;

@@ -92,24 +92,27 @@ pub fn clipped_bounds(triangle: [Vec3; 3], b: &Aabb) -> Aabb {
 
 const MOST_CORNERS: usize = 9;
 
-struct Polygon {
+/// What is left of a triangle after planes across the axes have cut corners off.
+pub(crate) struct Polygon {
     corners: [Point; MOST_CORNERS],
     count: usize,
 }
 
 impl Polygon {
-    fn of(triangle: [Point; 3]) -> Self {
+    /// All of a triangle.
+    pub fn of(triangle: [Point; 3]) -> Self {
         let mut corners = [[0.0; 3]; MOST_CORNERS];
         corners[..3].copy_from_slice(&triangle);
         Self { corners, count: 3 }
     }
 
-    fn corners(&self) -> &[Point] {
+    /// Its corners in their order.
+    pub fn corners(&self) -> &[Point] {
         &self.corners[..self.count]
     }
 
     /// The part whose coordinate is at least `plane` (`sign` 1) or at most (`sign` −1).
-    fn above(&self, axis: usize, plane: f64, sign: f64) -> Self {
+    pub fn above(&self, axis: usize, plane: f64, sign: f64) -> Self {
         let mut cut = Self {
             corners: [[0.0; 3]; MOST_CORNERS],
             count: 0,

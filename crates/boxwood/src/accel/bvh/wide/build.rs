@@ -44,6 +44,12 @@ impl<const N: usize> Default for WideSah<N> {
     }
 }
 
+impl<const N: usize> WideSah<N> {
+    /// Raised whenever the same settings make another tree of the same primitives: what is kept under the settings' names, in a cache,
+    /// should have this in the name too.
+    pub const REVISION: u32 = 1;
+}
+
 impl<const N: usize> WideSah<N>
 where
     Level: Vectorize<N>,

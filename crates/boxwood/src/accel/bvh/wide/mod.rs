@@ -57,6 +57,28 @@ use packet::Outcome;
 ///
 /// It runs on the best instruction set of the machine, or the one named by the environment variable `BOXWOOD_ISA`; nodes
 /// and answers do not depend on it, but for those of [`Precision::Fast`].
+///
+/// ```
+/// use boxwood::{Proximity, TriangleMesh, WideBvh, WideSah};
+/// use std::sync::Arc;
+/// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = TriangleMesh::new(corners, [[0_u32, 1, 2]])?;
+/// let builder = WideSah::<8>::default();
+///
+/// let borrowed: WideBvh<&TriangleMesh, 8> = builder.build(&mesh);
+/// assert_eq!(borrowed.within([0.0; 3], 1.0).len(), 1);
+///
+/// // No vertex is copied: two trees and whoever else holds it have one mesh.
+/// let mesh = Arc::new(mesh);
+/// let shared: WideBvh<Arc<TriangleMesh>, 8> = builder.build(mesh.clone());
+/// let wider: WideBvh<Arc<TriangleMesh>, 16> = WideSah::default().build(mesh.clone());
+/// assert!(Arc::ptr_eq(shared.primitives(), wider.primitives()));
+///
+/// drop((shared, wider));
+/// let owned: WideBvh<TriangleMesh, 8> = builder.build(Arc::unwrap_or_clone(mesh));
+/// assert_eq!(owned.primitives().triangles().len(), 1);
+/// # Ok::<(), boxwood::MeshError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct WideBvh<P, const N: usize> {
     primitives: P,

@@ -10,10 +10,11 @@ use super::WideBvh;
 use super::leaf::{Leaves, NONE};
 use super::node::Child;
 use crate::accel::bvh::MAX_DEPTH;
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, cover};
 use crate::inspect::TreeFlaw;
 use crate::pieces;
 use crate::primitive::Primitives;
+use crate::proximity::slack_of_cut;
 use crate::simd::exactly;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -26,8 +27,9 @@ impl<P: Primitives + Sync, const N: usize> WideBvh<P, N> {
     /// Looks at all of the tree, in the caller's rayon pool: answers are those of the exhaustive test where nothing is found. That is
     /// so for trees of this crate's builders; [`WideBvh::open`] asks it of files.
     ///
-    /// Of primitives that are cut and lie in several leaves, it finds whether these reach as far as the primitive does. That no
-    /// part between them is missing remains the builder's promise, as it does for [`inspect::validate`](crate::inspect::validate).
+    /// Of triangles that are cut and lie in several leaves, no part may be missing, and none of the box of anything else. Only of primitives
+    /// that are no triangles and yet promise to be [within the slack](Primitives::WITHIN_SLACK), the parts remain the builder's promise, as
+    /// they do for [`inspect::validate`](crate::inspect::validate).
     ///
     /// # Errors
     /// The first flaw found.
@@ -48,18 +50,19 @@ impl<P: Primitives + Sync, const N: usize> WideBvh<P, N> {
         }) {
             seen = seen.and(&piece?);
         }
-        let missing = |flaw: fn(usize) -> TreeFlaw| move |place| Err(flaw(place));
-        let parentless = |node| TreeFlaw::Parents { node, parents: 0 };
-        let leafless = |place| TreeFlaw::Place { place, leaves: 0 };
-        let absent = |primitive| TreeFlaw::Times {
+        marks
+            .nodes
+            .all_set(|node| TreeFlaw::Parents { node, parents: 0 })?;
+        marks
+            .blocks
+            .all_set(|place| TreeFlaw::Place { place, leaves: 0 })?;
+        (marks.primitives).all_set(|primitive| TreeFlaw::Times {
             primitive,
             times: 0,
-        };
-        (marks.nodes.first_unset()).map_or(Ok(()), missing(parentless))?;
-        (marks.blocks.first_unset()).map_or(Ok(()), missing(leafless))?;
-        (marks.primitives.first_unset()).map_or(Ok(()), missing(absent))?;
+        })?;
         let whole = |is: bool, what| is.then_some(()).ok_or(TreeFlaw::Whole { what });
-        whole(self.cut == (seen.places > self.primitives.len()), "cut")?;
+        // Parts of all that were cut may have come together in their leaves.
+        whole(self.cut || seen.places == self.primitives.len(), "cut")?;
         // Rays and their slack go by these: those of the judge, no others.
         whole(self.bounds == seen.around, "bounds")?;
         
@@ -209,21 +212,46 @@ impl<P: Primitives + Sync, const N: usize> WideBvh<P, N> {
         deepest as usize
     }
 
-    /// Whether the leaves of each primitive together reach as far as it does.
+    /// Whether the leaves of each primitive together hold all of it.
     fn validate_parts(&self) -> Result<(), TreeFlaw> {
-        let mut around = vec![Aabb::EMPTY; self.primitives.len()];
+        let mut leaves = Vec::with_capacity(self.leaves.len() * Leaves::LANES);
         for (_, bounds, child) in self.nodes.iter().flat_map(|node| node.slots()) {
             if child.is_leaf() {
-                for id in self.leaves.ids(child.blocks()) {
-                    let around = &mut around[id as usize];
-                    *around = around.union(bounds);
-                }
+                leaves.extend(self.leaves.ids(child.blocks()).map(|id| (id, bounds)));
             }
         }
-        let sticks_out = |&i: &usize| !around[i].contains(&self.primitives.bounds(i));
-        match (0..around.len()).find(sticks_out) {
-            Some(primitive) => Err(TreeFlaw::Uncovered { primitive }),
-            None => Ok(()),
+        leaves.sort_by_key(|&(id, _)| id);
+        let runs: Vec<_> = leaves.chunk_by(|a, b| a.0 == b.0).collect();
+        let flaws = pieces::each(runs.len().div_ceil(PIECE), |piece| {
+            let runs = &runs[piece * PIECE..runs.len().min((piece + 1) * PIECE)];
+            let mut parts = Vec::new();
+            runs.iter().find_map(|run| {
+                parts.clear();
+                parts.extend(run.iter().map(|&(_, bounds)| bounds));
+                let primitive = run[0].0 as usize;
+                let held = self.is_held(primitive, &parts);
+                (!held).then_some(TreeFlaw::Uncovered { primitive })
+            })
+        });
+        flaws.into_iter().flatten().next().map_or(Ok(()), Err)
+    }
+
+    fn is_held(&self, primitive: usize, parts: &[Aabb]) -> bool {
+        let bounds = self.primitives.bounds(primitive);
+        let around = parts.iter().fold(Aabb::EMPTY, |a, &b| a.union(b));
+        if !around.contains(&bounds) {
+            return false;
+        }
+        if parts.len() == 1 {
+            return true;
+        }
+        match self.primitives.corners(primitive) {
+            Some(corners) if P::WITHIN_SLACK => {
+                cover::holds_triangle(parts, corners, slack_of_cut(self.scale))
+            }
+            // Its own way of being cut: what it says of its parts was asked when the tree was built.
+            _ if P::WITHIN_SLACK => true,
+            _ => cover::holds_box(parts, &bounds),
         }
     }
 }
@@ -273,11 +301,16 @@ impl Bits {
         let bit = 1 << (i % 32);
         self.words[i / 32].fetch_or(bit, Relaxed) & bit != 0
     }
-    fn first_unset(&self) -> Option<usize> {
-        let (word, bits) = self.words.iter().enumerate().find_map(|(i, word)| {
-            let bits = word.load(Relaxed);
-            (bits != u32::MAX).then_some((i, bits))
-        })?;
-        Some(32 * word + bits.trailing_ones() as usize).filter(|&i| i < self.len)
+    /// What `flaw` says of the first bit that is not set.
+    fn all_set(&self, flaw: impl Fn(usize) -> TreeFlaw) -> Result<(), TreeFlaw> {
+        let words = self.words.iter().map(|word| word.load(Relaxed));
+        let unset = (0..)
+            .zip(words)
+            .find(|&(_, bits)| bits != u32::MAX)
+            .map(|(word, bits): (usize, _)| 32 * word + bits.trailing_ones() as usize);
+        match unset {
+            Some(i) if i < self.len => Err(flaw(i)),
+            _ => Ok(()),
+        }
     }
 }

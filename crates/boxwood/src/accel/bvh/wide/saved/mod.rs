@@ -90,13 +90,16 @@ pub enum OpenError<E> {
     Saved(#[from] SavedError),
 }
 
-impl<P: Primitives + Sync, const N: usize> WideBvh<P, N> {
+impl<P, const N: usize> WideBvh<P, N> {
     /// The version of the format that [`save`](Self::save) writes, and the only one that [`open`](Self::open) reads.
     pub const SAVED_VERSION: u32 = VERSION;
+}
 
+impl<P: Primitives + Sync, const N: usize> WideBvh<P, N> {
     /// Writes the tree, without its primitives, piece after piece.
     ///
-    /// The same tree gives the same bytes on every machine. To whom a half-written file would do harm, it should be written beside
+    /// The same tree gives the same bytes on every machine. One [from elsewhere](WideBvh::checked) whose bounds are larger than its
+    /// primitives can be saved, but not opened. To whom a half-written file would do harm, it should be written beside
     /// its place and then renamed.
     ///
     /// ```no_run
