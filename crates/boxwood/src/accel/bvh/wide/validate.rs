@@ -65,7 +65,7 @@ impl<P: Primitives + Sync, const N: usize> WideBvh<P, N> {
         whole(self.cut || seen.places == self.primitives.len(), "cut")?;
         // Rays and their slack go by these: those of the judge, no others.
         whole(self.bounds == seen.around, "bounds")?;
-        
+
         whole(self.depth == self.depth_of_nodes(), "depth")?;
         if self.depth > MAX_DEPTH {
             return Err(TreeFlaw::TooDeep { node: 0 });
@@ -89,9 +89,10 @@ impl<P: Primitives + Sync, const N: usize> WideBvh<P, N> {
         }
         if !self.nodes.is_empty() {
             marks.nodes.set(0);
-            self.boxes_below(0, &self.bounds, 0)?;
+            self.boxes_below(0, &self.frame.seen(&self.bounds), 0)?;
         } else if self.root != Child::NOTHING {
-            self.leaf(0, &self.bounds, self.root, marks, &mut seen)?;
+            let bounds = self.frame.seen(&self.bounds);
+            self.leaf(0, &bounds, self.root, marks, &mut seen)?;
         }
         Ok(seen)
     }
@@ -178,10 +179,11 @@ impl<P: Primitives + Sync, const N: usize> WideBvh<P, N> {
                     });
                 }
                 let bounds = self.primitives.bounds(primitive);
+                let own = self.frame.seen(&bounds);
                 let holds = if self.cut {
-                    bounds.is_empty() || !around.intersection(bounds).is_empty()
+                    bounds.is_empty() || !around.intersection(own).is_empty()
                 } else {
-                    around.contains(&bounds)
+                    around.contains(&own)
                 };
                 if !holds {
                     return Err(TreeFlaw::SticksOut { node });
@@ -217,6 +219,7 @@ impl<P: Primitives + Sync, const N: usize> WideBvh<P, N> {
         let mut leaves = Vec::with_capacity(self.leaves.len() * Leaves::LANES);
         for (_, bounds, child) in self.nodes.iter().flat_map(|node| node.slots()) {
             if child.is_leaf() {
+                let bounds = self.frame.in_world(&bounds);
                 leaves.extend(self.leaves.ids(child.blocks()).map(|id| (id, bounds)));
             }
         }
@@ -247,7 +250,7 @@ impl<P: Primitives + Sync, const N: usize> WideBvh<P, N> {
         }
         match self.primitives.corners(primitive) {
             Some(corners) if P::WITHIN_SLACK => {
-                cover::holds_triangle(parts, corners, slack_of_cut(self.scale))
+                cover::holds_triangle(parts, corners, slack_of_cut(self.frame.scale))
             }
             // Its own way of being cut: what it says of its parts was asked when the tree was built.
             _ if P::WITHIN_SLACK => true,
