@@ -8,7 +8,8 @@
 
 use super::watertight::TINY;
 use crate::geometry::ray::Leaning;
-use crate::geometry::{Hit, PreparedRay, Vec3};
+use crate::geometry::{Aabb, Hit, PreparedRay, Vec3};
+use crate::primitive::Primitives;
 use crate::query::Query;
 use crate::simd::{F, Floats, Lanes, Mask};
 use core::ops::ControlFlow::{self, Break, Continue};
@@ -41,6 +42,50 @@ impl TriangleBlock {
             }
         }
         block
+    }
+
+    /// Takes the corners of its triangles anew, and says what box is around them.
+    #[inline(always)]
+    pub fn refit<S: Lanes<LANES>, P: Primitives>(&mut self, s: S, primitives: &P) -> Aabb {
+        // No branch on how many there are: a lane without looks at the first triangle, and keeps its NaN.
+        let [p, q, r, t] = self.ids;
+        let triangles = [
+            corners(primitives, p),
+            corners(primitives, if q == u32::MAX { p } else { q }),
+            corners(primitives, if r == u32::MAX { p } else { r }),
+            corners(primitives, if t == u32::MAX { p } else { t }),
+        ];
+        let first = F::<S, LANES>::load(s, &self.corners[0][0]);
+        let there = first.le(first);
+        let [a, b, c] = [row(s, &triangles, 0, 0), row(s, &triangles, 1, 0), row(s, &triangles, 2, 0)];
+        self.keep(s, there, 0, [a, b, c]);
+        let x = least_and_most::<S>(a.min(b).min(c), a.max(b).max(c));
+        let [a, b, c] = [row(s, &triangles, 0, 1), row(s, &triangles, 1, 1), row(s, &triangles, 2, 1)];
+        self.keep(s, there, 1, [a, b, c]);
+        let y = least_and_most::<S>(a.min(b).min(c), a.max(b).max(c));
+        let [a, b, c] = [row(s, &triangles, 0, 2), row(s, &triangles, 1, 2), row(s, &triangles, 2, 2)];
+        self.keep(s, there, 2, [a, b, c]);
+        let z = least_and_most::<S>(a.min(b).min(c), a.max(b).max(c));
+        Aabb {
+            lower: Vec3::new(x.0, y.0, z.0),
+            upper: Vec3::new(x.1, y.1, z.1),
+        }
+    }
+
+    /// Writes one coordinate of three corners, where there are triangles.
+    #[inline(always)]
+    fn keep<S: Lanes<LANES>>(&mut self, s: S, there: S::M, axis: usize, [a, b, c]: [F<S, LANES>; 3]) {
+        let [p, q, r] = &mut self.corners;
+        let nan = F::<S, LANES>::splat(s, f32::NAN);
+        p[axis] = a.choose(there, nan).to_array();
+        q[axis] = b.choose(there, nan).to_array();
+        r[axis] = c.choose(there, nan).to_array();
+    }
+
+    /// The numbers of all lanes; those without a triangle are above all others.
+    #[inline(always)]
+    pub fn lanes(&self) -> &[u32; LANES] {
+        &self.ids
     }
 
     /// The numbers of its triangles.
@@ -138,6 +183,29 @@ impl TriangleBlock {
         }
         Continue(())
     }
+}
+
+#[inline(always)]
+fn corners(primitives: &impl Primitives, id: u32) -> [Vec3; 3] {
+    primitives.corners(id as usize).expect("a triangle")
+}
+
+/// One coordinate of one corner of four triangles.
+#[inline(always)]
+fn row<S: Lanes<LANES>>(s: S, [p, q, r, t]: &[[Vec3; 3]; LANES], corner: usize, axis: usize) -> F<S, LANES> {
+    F::<S, LANES>::load(s, &[p[corner][axis], q[corner][axis], r[corner][axis], t[corner][axis]])
+}
+
+/// Of all lanes.
+#[inline(always)]
+fn least_and_most<S: Lanes<LANES>>(least: F<S, LANES>, most: F<S, LANES>) -> (f32, f32) {
+    let ([a, b, c, d], [e, f, g, h]) = (least.to_array(), most.to_array());
+    (less(less(a, b), less(c, d)), -less(less(-e, -f), less(-g, -h)))
+}
+
+#[inline(always)]
+fn less(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
 /// Why the triangles were not all shown.

@@ -19,6 +19,7 @@ mod node;
 mod packet;
 mod plan;
 mod precision;
+mod refit;
 mod scalar;
 mod traverse;
 

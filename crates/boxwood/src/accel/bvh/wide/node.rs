@@ -2,7 +2,7 @@
 
 use crate::geometry::ray::Facing;
 use crate::geometry::{Aabb, Vec3};
-use crate::simd::{F, Floats, Lanes, Row, Rows};
+use crate::simd::{F, Floats, Lanes, Mask, Portable, Row, Rows};
 
 /// A reference to a node or to a run of leaf blocks.
 ///
@@ -73,34 +73,60 @@ impl<const N: usize> Node<N> {
                 .copied()
                 .unwrap_or((Aabb::EMPTY, Child::NOTHING));
             node.children[lane] = child.0;
-            for axis in 0..3 {
-                node.planes.0[2 * axis][lane] = bounds.lower[axis];
-                node.planes.0[2 * axis + 1][lane] = bounds.upper[axis];
-            }
+            node.set_bounds(lane, &bounds);
         }
-        for octant in 0..8 {
-            node.set_order(octant, children);
-        }
+        // Lanes of arrays: whoever lays a tree out has not opened a door.
+        node.set_order(Portable);
         node
     }
 
-    fn set_order(&mut self, octant: usize, children: &[(Aabb, Child)]) {
-        let mut keys = [f32::INFINITY; N];
-        for (key, (bounds, _)) in keys.iter_mut().zip(children) {
-            *key = (0..3).fold(0.0, |sum, axis| {
-                let middle = bounds.lower[axis] + bounds.upper[axis];
-                if octant >> axis & 1 == 1 {
-                    sum - middle
-                } else {
-                    sum + middle
-                }
-            });
+    /// Gives a child another box. When all have theirs, [`Node::set_order`] is due.
+    #[inline(always)]
+    pub fn set_bounds(&mut self, lane: usize, bounds: &Aabb) {
+        for axis in 0..3 {
+            self.planes.0[2 * axis][lane] = bounds.lower[axis];
+            self.planes.0[2 * axis + 1][lane] = bounds.upper[axis];
         }
-        let mut lanes: [usize; N] = core::array::from_fn(|lane| lane);
-        lanes.sort_by(|&a, &b| keys[b].total_cmp(&keys[a]));
-        for (place, lane) in lanes.into_iter().enumerate() {
-            let nibble = octant * N + place;
-            self.order[nibble / 8] |= (lane as u32) << (4 * (nibble % 8));
+    }
+
+    /// Finds the children's order for every octant: by the middles of their boxes, and of equal ones by their lanes. The
+    /// place of each is the number of those that come before it.
+    #[inline(always)]
+    pub fn set_order<S: Lanes<N>>(&mut self, s: S) {
+        let splat = F::<S, N>::splat;
+        let rows = &self.planes.0;
+        let load = |row: usize| F::<S, N>::load(s, &rows[row]);
+        let middles = [load(0) + load(1), load(2) + load(3), load(4) + load(5)];
+        // Lanes without a child count as the farthest; their middles are no numbers, nor are those of boxes that leave the floats.
+        let zero = splat(s, 0.0);
+        let mut ends = [0.0; N];
+        for (end, child) in ends.iter_mut().zip(&self.children) {
+            *end = if *child == Child::NOTHING.0 { f32::INFINITY } else { f32::NEG_INFINITY };
+        }
+        let ends = F::<S, N>::load(s, &ends);
+        for octant in 0..8 {
+            let mut sum = zero;
+            for (axis, &middle) in middles.iter().enumerate() {
+                sum = if octant >> axis & 1 == 1 { sum - middle } else { sum + middle };
+            }
+            let keys = sum.max(ends);
+            let values = keys.to_array();
+            let mut order = 0_u64;
+            for (lane, &key) in values.iter().enumerate() {
+                let key = splat(s, key);
+                let before = key.lt(keys).bits() | key.le(keys).bits() & ((1 << lane) - 1);
+                order |= (lane as u64) << (4 * before.count_ones());
+            }
+            let at = octant * N / 8;
+            match N {
+                4 => {
+                    let half = octant % 2;
+                    let kept = self.order[at] & !(0xffff << (16 * half));
+                    self.order[at] = kept | (order as u32) << (16 * half);
+                }
+                8 => self.order[at] = order as u32,
+                _ => [self.order[at], self.order[at + 1]] = [order as u32, (order >> 32) as u32],
+            }
         }
     }
 
@@ -154,6 +180,20 @@ impl<const N: usize> Node<N> {
         Aabb::new(side(0), side(1))
     }
 
+    /// Half the surface of each child's box; zero where there is no child.
+    #[inline(always)]
+    pub fn half_areas(&self) -> [f64; N] {
+        let rows = &self.planes.0;
+        let mut areas = [0.0; N];
+        for lane in 0..N {
+            let x = extent(rows[0][lane], rows[1][lane]);
+            let y = extent(rows[2][lane], rows[3][lane]);
+            let z = extent(rows[4][lane], rows[5][lane]);
+            areas[lane] = x * y + y * z + z * x;
+        }
+        areas
+    }
+
     /// Where the ray enters and leaves each child within its interval, both erring to the outside by the slack; a child is
     /// entered where `entry <= exit`. As [`PreparedRay::slabs`](crate::PreparedRay::slabs), with fewer roundings where the level can fuse.
     #[inline(always)]
@@ -176,6 +216,11 @@ impl<const N: usize> Node<N> {
             far_x.min(far_y).min(far_z.min(t_max)),
         )
     }
+}
+
+#[inline(always)]
+fn extent(lower: f32, upper: f32) -> f64 {
+    (f64::from(upper) - f64::from(lower)).max(0.0)
 }
 
 /// Which way a ray runs: bit `k` says that it runs down axis `k`.

@@ -1,0 +1,181 @@
+//! Follows primitives that have moved: who lies where stays as it is, all boxes are made anew.
+//!
+//! *How it works.* First each block of a leaf takes its triangles' corners from the mesh and finds the box around them, one
+//! after the other as they lie in memory. Then the nodes, of which the children come after their parents: from the last to the first each
+//! learns what is around it, and afterwards all take their children's boxes, in any order, so that threads may share both
+//! greater parts of the work. What a ray is expected to pay falls out of the last step.
+//!
+//! Where a builder has cut primitives, each of their leaves grows around the whole primitive: every answer stays
+//! right, but what the cuts had gained is lost.
+//!
+//! *Cost.* O(n), and 24 bytes for each block of a leaf and 32 for each node while it runs.
+//!
+//! *Source.* Wald, Boulos & Shirley 2007, *Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies*.
+
+use super::WideBvh;
+use super::node::{Child, Node};
+use crate::geometry::Aabb;
+use crate::primitive::Primitives;
+use crate::query::each_pair;
+use crate::simd::{Isa, Kernel, Lanes, Level, Simd, Vectorize, exactly};
+use alloc::vec::Vec;
+
+/// What opening a wide node costs, in units of one block of a leaf: as the tree was collapsed by.
+pub const NODE_COST: f64 = 1.5;
+/// So many nodes are brought up to date by one thread at a time.
+const CHUNK: usize = 256;
+
+/// What is found out about a tree while it is fitted. Kept from frame to frame, it needs no new memory.
+#[derive(Clone, Debug, Default)]
+pub struct Fitting {
+    /// Around each block of the leaves.
+    blocks: Vec<Aabb>,
+    /// Around each node.
+    bounds: Vec<Aabb>,
+    /// What a ray pays for opening each node's children, each as often as a ray comes there: times its half area.
+    own: Vec<f64>,
+}
+
+impl<P: Primitives + Sync, const N: usize> WideBvh<P, N>
+where
+    Level: Vectorize<N>,
+{
+    /// Changes the primitives and follows them: moves the vertices of a mesh that the tree owns, or takes another mesh or set instead
+    /// of one that is borrowed or shared. Returns what `change` returns.
+    ///
+    /// Primitive `i` must remain primitive `i` for the tree to stay good; answers are right in any case. After small
+    /// movements the tree is as good as a new one; after large ones boxes overlap: [`Upkeep`](super::Upkeep) watches that, and does what pays.
+    ///
+    /// ```
+    /// use boxwood::{Intersect, Ray, TriangleMesh, WideSah};
+    /// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let mesh = TriangleMesh::new(corners, [[0_u32, 1, 2]])?;
+    /// let mut bvh = WideSah::<8>::default().build(mesh);
+    /// bvh.update(|mesh| mesh.move_vertices(corners.map(|[x, y, _]| [x, y, 4.0])))?;
+    /// let hit = bvh.closest_hit(&Ray::new([0.2, 0.2, -1.0], [0.0, 0.0, 1.0]));
+    /// assert_eq!(hit.map(|hit| hit.t), Some(5.0));
+    /// # Ok::<(), boxwood::MeshError>(())
+    /// ```
+    ///
+    /// # Panics
+    /// When there are fewer or more primitives afterwards.
+    pub fn update<A>(&mut self, change: impl FnOnce(&mut P) -> A) -> A {
+        let answer = self.change(change);
+        self.fit(&mut Fitting::default());
+        answer
+    }
+
+    /// Changes the primitives; the tree does not fit afterwards.
+    pub(super) fn change<A>(&mut self, change: impl FnOnce(&mut P) -> A) -> A {
+        let count = self.primitives.len();
+        let answer = change(&mut self.primitives);
+        assert_eq!(self.primitives.len(), count, "a tree for other primitives");
+        answer
+    }
+
+    /// Brings leaves, boxes and all that depends on them up to date.
+    pub(super) fn fit(&mut self, found: &mut Fitting) {
+        exactly(|| self.follow(found));
+    }
+
+    fn follow(&mut self, found: &mut Fitting) {
+        found.blocks.resize(self.leaves.len(), Aabb::EMPTY);
+        found.bounds.resize(self.nodes.len(), Aabb::EMPTY);
+        found.own.resize(self.nodes.len(), 0.0);
+        (self.leaves).refit(&self.primitives, &mut found.blocks, self.isa);
+        found.place_leaves(&mut self.nodes);
+        found.place_nodes(&mut self.nodes);
+        found.finish(&mut self.nodes, self.isa);
+        self.bounds = match self.root.is_leaf() {
+            true => around(&found.blocks, self.root),
+            false => found.bounds[self.root.index()],
+        };
+        self.scale = self.bounds.scale();
+        // Each leaf's box is around all of its primitives now.
+        self.cut = false;
+    }
+}
+
+impl Fitting {
+    /// Gives all nodes the boxes of their leaves; what is around a node begins with these.
+    fn place_leaves<const N: usize>(&mut self, nodes: &mut [Node<N>]) {
+        let blocks = &self.blocks;
+        each_pair(CHUNK, nodes, &mut self.bounds, |_, nodes, bounds| {
+            for (node, bounds) in nodes.iter_mut().zip(bounds) {
+                *bounds = Aabb::EMPTY;
+                for lane in 0..N {
+                    let child = node.child(lane);
+                    if child.is_leaf() && child != Child::NOTHING {
+                        let leaf = around(blocks, child);
+                        node.set_bounds(lane, &leaf);
+                        *bounds = bounds.union(leaf);
+                    }
+                }
+            }
+        });
+    }
+
+    /// Gives all nodes the boxes of the nodes below, from the last to the first.
+    fn place_nodes<const N: usize>(&mut self, nodes: &mut [Node<N>]) {
+        for (i, node) in nodes.iter_mut().enumerate().rev() {
+            let mut bounds = self.bounds[i];
+            for lane in 0..N {
+                let child = node.child(lane);
+                if !child.is_leaf() {
+                    debug_assert!(child.index() > i, "parents come first");
+                    let below = self.bounds[child.index()];
+                    node.set_bounds(lane, &below);
+                    bounds = bounds.union(below);
+                }
+            }
+            self.bounds[i] = bounds;
+        }
+    }
+
+    /// What follows from a node's boxes.
+    fn finish<const N: usize>(&mut self, nodes: &mut [Node<N>], isa: Isa)
+    where
+        Level: Vectorize<N>,
+    {
+        each_pair(CHUNK, nodes, &mut self.own, |_, nodes, own| {
+            isa.level().vectorize(Finish { nodes, own });
+        });
+    }
+}
+
+/// Around the blocks of a leaf.
+#[inline(always)]
+fn around(blocks: &[Aabb], leaf: Child) -> Aabb {
+    let blocks = blocks.get(leaf.blocks()).unwrap_or(&[]);
+    blocks.iter().fold(Aabb::EMPTY, |b, &block| b.union(block))
+}
+
+struct Finish<'a, const N: usize> {
+    nodes: &'a mut [Node<N>],
+    own: &'a mut [f64],
+}
+
+impl<const N: usize> Kernel<N> for Finish<'_, N> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd + Lanes<N>>(self, s: S) {
+        for (node, own) in self.nodes.iter_mut().zip(self.own) {
+            node.set_order(s);
+            let areas = node.half_areas();
+            *own = 0.0;
+            for lane in 0..N {
+                *own += areas[lane] * weight(node.child(lane));
+            }
+        }
+    }
+}
+
+/// What opening a child costs.
+#[inline(always)]
+pub fn weight(child: Child) -> f64 {
+    if child.is_leaf() {
+        child.blocks().len() as f64
+    } else {
+        NODE_COST
+    }
+}
