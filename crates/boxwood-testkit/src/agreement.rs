@@ -1,7 +1,7 @@
 //! Every structure returns the bits of the judge, however it is asked.
 
 use crate::structures;
-use boxwood::{BruteForce, Hit, Intersect, Primitives, Ray, TraversalStats, exactly};
+use boxwood::{Aabb, BruteForce, Hit, Intersect, Primitives, Ray, TraversalStats, exactly};
 use std::ops::ControlFlow::Continue;
 
 /// How much was compared: a test that hits nothing tests nothing.
@@ -18,13 +18,48 @@ pub struct Compared {
 /// # Panics
 /// At the first answer that differs from the judge's by a bit, naming structure, question, `case` and ray.
 pub fn check<P: Primitives + Send + Sync>(primitives: &P, rays: &[Ray], case: &str) -> Compared {
-    let judge = BruteForce::new(primitives);
-    let expected: Vec<Expected> = rays.iter().map(|ray| Expected::of(&judge, ray)).collect();
+    let judged = Judged::new(primitives, rays);
     for entry in structures::all() {
-        let (name, structure) = (entry.name(), entry.build(primitives));
+        judged.check(&*entry.build(primitives), &entry.name(), case);
+    }
+    judged.compared()
+}
+
+/// What the judge says of some rays, to hold any structure against.
+pub struct Judged<'a> {
+    rays: &'a [Ray],
+    expected: Vec<Expected>,
+    bounds: Aabb,
+}
+
+impl<'a> Judged<'a> {
+    /// Asks the judge.
+    pub fn new<P: Primitives + Send + Sync>(primitives: &P, rays: &'a [Ray]) -> Self {
+        let judge = BruteForce::new(primitives);
+        Self {
+            rays,
+            expected: rays.iter().map(|ray| Expected::of(&judge, ray)).collect(),
+            bounds: Intersect::bounds(&judge),
+        }
+    }
+
+    /// How much it is.
+    pub fn compared(&self) -> Compared {
+        Compared {
+            rays: self.rays.len(),
+            hits: self.expected.iter().filter(|e| !e.all.is_empty()).count(),
+        }
+    }
+
+    /// Asks a structure over the same primitives everything about every ray.
+    ///
+    /// # Panics
+    /// At the first answer that differs by a bit, naming structure, question, `case` and ray.
+    pub fn check(&self, structure: &dyn Intersect, name: &str, case: &str) {
+        let rays = self.rays;
         assert_eq!(
             bounds_bits(structure.bounds()),
-            bounds_bits(Intersect::bounds(&judge)),
+            bounds_bits(self.bounds),
             "bounds of {name}, {case}"
         );
         let mut closest = vec![None; rays.len()];
@@ -33,9 +68,9 @@ pub fn check<P: Primitives + Send + Sync>(primitives: &P, rays: &[Ray], case: &s
         structure.occluded_each(rays, &mut occluded);
         let mut occluders = vec![None; rays.len()];
         structure.occluders(rays, &mut occluders);
-        for (i, (ray, expected)) in rays.iter().zip(&expected).enumerate() {
+        for (i, (ray, expected)) in rays.iter().zip(&self.expected).enumerate() {
             let question = |what: &str| format!("{what} of {name}, {case}, ray {i}: {ray:?}");
-            expected.holds_for(&*structure, ray, &question);
+            expected.holds_for(structure, ray, &question);
             let first = expected.all.first().copied();
             assert_eq!(closest[i].map(Bits::of), first, "{}", question("batch"));
             assert_eq!(
@@ -54,10 +89,6 @@ pub fn check<P: Primitives + Send + Sync>(primitives: &P, rays: &[Ray], case: &s
                 question("occluder")
             );
         }
-    }
-    Compared {
-        rays: rays.len(),
-        hits: expected.iter().filter(|e| !e.all.is_empty()).count(),
     }
 }
 

@@ -201,23 +201,23 @@ impl TriangleMesh {
 
 /// Whether every corner is a vertex, and finite.
 fn check_corners(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
-        for (triangle, corners) in triangles.iter().enumerate() {
-            for &vertex in corners {
-                match positions.get(vertex as usize) {
-                    None => {
-                        return Err(MeshError::NoSuchVertex {
-                            triangle,
-                            vertex,
-                            vertices: positions.len(),
-                        });
-                    }
-                    Some(p) if !p.is_finite() => {
-                        return Err(MeshError::NotFinite { triangle, vertex });
-                    }
-                    Some(_) => {}
+    for (triangle, corners) in triangles.iter().enumerate() {
+        for &vertex in corners {
+            match positions.get(vertex as usize) {
+                None => {
+                    return Err(MeshError::NoSuchVertex {
+                        triangle,
+                        vertex,
+                        vertices: positions.len(),
+                    });
                 }
+                Some(p) if !p.is_finite() => {
+                    return Err(MeshError::NotFinite { triangle, vertex });
+                }
+                Some(_) => {}
             }
         }
+    }
     Ok(())
 }
 
@@ -393,10 +393,11 @@ mod tests {
         let first = [[0.0_f32; 3], [1.0; 3], [2.0; 3], [f32::NAN; 3]];
         let mut mesh = TriangleMesh::new(first, [[0_u32, 1, 2]]).expect("good");
         let place = |mesh: &TriangleMesh| mesh.triangle(0).map(|p| p.x);
-        let mut next = Vec::from([Vec3::ONE; 5]);
+        let mut next = Vec::from([Vec3::splat(1.0); 5]);
         mesh.swap_vertices(&mut next).expect("more vertices");
         assert_eq!((place(&mesh), next.len()), ([1.0; 3], 4));
-        mesh.move_vertices([[7.0; 3]; 3]).expect("fewer, but enough");
+        mesh.move_vertices([[7.0; 3]; 3])
+            .expect("fewer, but enough");
         let refused = |r: Result<(), MeshError>| r.expect_err("refused").to_string();
         assert_eq!(
             refused(mesh.move_vertices([[8.0; 3]; 2])),

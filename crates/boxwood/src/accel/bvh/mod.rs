@@ -22,5 +22,8 @@ pub use {
     build::{BinnedSah, EqualCounts, Lbvh, Median, Middle, Ploc, SpatialSplit, SweepSah},
     refine::Refine,
     tree::{BinaryNode, BinaryTree, MAX_DEPTH, MAX_LEAF},
-    wide::{Gathering, Precision, UnknownGathering, UnknownPrecision, WideBvh, WideSah},
+    wide::{
+        Decision, Gathering, Precision, UnknownGathering, UnknownPrecision, Updated, Upkeep,
+        WideBvh, WideSah,
+    },
 };

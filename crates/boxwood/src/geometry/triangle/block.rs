@@ -57,13 +57,25 @@ impl TriangleBlock {
         ];
         let first = F::<S, LANES>::load(s, &self.corners[0][0]);
         let there = first.le(first);
-        let [a, b, c] = [row(s, &triangles, 0, 0), row(s, &triangles, 1, 0), row(s, &triangles, 2, 0)];
+        let [a, b, c] = [
+            row(s, &triangles, 0, 0),
+            row(s, &triangles, 1, 0),
+            row(s, &triangles, 2, 0),
+        ];
         self.keep(s, there, 0, [a, b, c]);
         let x = least_and_most::<S>(a.min(b).min(c), a.max(b).max(c));
-        let [a, b, c] = [row(s, &triangles, 0, 1), row(s, &triangles, 1, 1), row(s, &triangles, 2, 1)];
+        let [a, b, c] = [
+            row(s, &triangles, 0, 1),
+            row(s, &triangles, 1, 1),
+            row(s, &triangles, 2, 1),
+        ];
         self.keep(s, there, 1, [a, b, c]);
         let y = least_and_most::<S>(a.min(b).min(c), a.max(b).max(c));
-        let [a, b, c] = [row(s, &triangles, 0, 2), row(s, &triangles, 1, 2), row(s, &triangles, 2, 2)];
+        let [a, b, c] = [
+            row(s, &triangles, 0, 2),
+            row(s, &triangles, 1, 2),
+            row(s, &triangles, 2, 2),
+        ];
         self.keep(s, there, 2, [a, b, c]);
         let z = least_and_most::<S>(a.min(b).min(c), a.max(b).max(c));
         Aabb {
@@ -74,7 +86,13 @@ impl TriangleBlock {
 
     /// Writes one coordinate of three corners, where there are triangles.
     #[inline(always)]
-    fn keep<S: Lanes<LANES>>(&mut self, s: S, there: S::M, axis: usize, [a, b, c]: [F<S, LANES>; 3]) {
+    fn keep<S: Lanes<LANES>>(
+        &mut self,
+        s: S,
+        there: S::M,
+        axis: usize,
+        [a, b, c]: [F<S, LANES>; 3],
+    ) {
         let [p, q, r] = &mut self.corners;
         let nan = F::<S, LANES>::splat(s, f32::NAN);
         p[axis] = a.choose(there, nan).to_array();
@@ -192,15 +210,31 @@ fn corners(primitives: &impl Primitives, id: u32) -> [Vec3; 3] {
 
 /// One coordinate of one corner of four triangles.
 #[inline(always)]
-fn row<S: Lanes<LANES>>(s: S, [p, q, r, t]: &[[Vec3; 3]; LANES], corner: usize, axis: usize) -> F<S, LANES> {
-    F::<S, LANES>::load(s, &[p[corner][axis], q[corner][axis], r[corner][axis], t[corner][axis]])
+fn row<S: Lanes<LANES>>(
+    s: S,
+    [p, q, r, t]: &[[Vec3; 3]; LANES],
+    corner: usize,
+    axis: usize,
+) -> F<S, LANES> {
+    F::<S, LANES>::load(
+        s,
+        &[
+            p[corner][axis],
+            q[corner][axis],
+            r[corner][axis],
+            t[corner][axis],
+        ],
+    )
 }
 
 /// Of all lanes.
 #[inline(always)]
 fn least_and_most<S: Lanes<LANES>>(least: F<S, LANES>, most: F<S, LANES>) -> (f32, f32) {
     let ([a, b, c, d], [e, f, g, h]) = (least.to_array(), most.to_array());
-    (less(less(a, b), less(c, d)), -less(less(-e, -f), less(-g, -h)))
+    (
+        less(less(a, b), less(c, d)),
+        -less(less(-e, -f), less(-g, -h)),
+    )
 }
 
 #[inline(always)]

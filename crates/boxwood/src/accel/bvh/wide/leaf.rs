@@ -58,6 +58,18 @@ impl Leaves {
         first..self.len()
     }
 
+    /// Appends a leaf that others hold, and says which blocks it got.
+    pub fn push_copy(&mut self, from: &Self, blocks: Range<usize>) -> Range<usize> {
+        let first = self.len();
+        for block in blocks {
+            match from.triangles.get(block) {
+                Some(&triangles) => self.triangles.push(triangles),
+                None => self.ids.push(from.ids[block]),
+            }
+        }
+        first..self.len()
+    }
+
     /// Takes the corners of all triangles anew and finds the box around each block, of which there are as many.
     pub fn refit<P: Primitives + Sync>(&mut self, primitives: &P, boxes: &mut [Aabb], isa: Isa) {
         if P::TRIANGLES {

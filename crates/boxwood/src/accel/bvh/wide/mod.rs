@@ -13,6 +13,7 @@ mod batch;
 mod build;
 mod collapse;
 mod gathering;
+mod graft;
 mod hierarchy;
 mod leaf;
 mod node;
@@ -22,10 +23,12 @@ mod precision;
 mod refit;
 mod scalar;
 mod traverse;
+mod upkeep;
 
 pub use build::WideSah;
 pub use gathering::{Gathering, UnknownGathering};
 pub use precision::{Precision, UnknownPrecision};
+pub use upkeep::{Decision, Updated, Upkeep};
 
 use crate::accel::limits::{Limits, Site, unlimited};
 use crate::accel::{BuildError, bvh::tree::BinaryTree};

@@ -101,13 +101,21 @@ impl<const N: usize> Node<N> {
         let zero = splat(s, 0.0);
         let mut ends = [0.0; N];
         for (end, child) in ends.iter_mut().zip(&self.children) {
-            *end = if *child == Child::NOTHING.0 { f32::INFINITY } else { f32::NEG_INFINITY };
+            *end = if *child == Child::NOTHING.0 {
+                f32::INFINITY
+            } else {
+                f32::NEG_INFINITY
+            };
         }
         let ends = F::<S, N>::load(s, &ends);
         for octant in 0..8 {
             let mut sum = zero;
             for (axis, &middle) in middles.iter().enumerate() {
-                sum = if octant >> axis & 1 == 1 { sum - middle } else { sum + middle };
+                sum = if octant >> axis & 1 == 1 {
+                    sum - middle
+                } else {
+                    sum + middle
+                };
             }
             let keys = sum.max(ends);
             let values = keys.to_array();
@@ -147,6 +155,11 @@ impl<const N: usize> Node<N> {
     #[inline(always)]
     pub fn child(&self, lane: usize) -> Child {
         Child(self.children[lane & (N - 1)])
+    }
+
+    /// Puts another child where one is; its box stays.
+    pub fn set_child(&mut self, lane: usize, child: Child) {
+        self.children[lane] = child.0;
     }
 
     #[inline(always)]

@@ -31,7 +31,7 @@ pub struct Fitting {
     /// Around each block of the leaves.
     blocks: Vec<Aabb>,
     /// Around each node.
-    bounds: Vec<Aabb>,
+    pub bounds: Vec<Aabb>,
     /// What a ray pays for opening each node's children, each as often as a ray comes there: times its half area.
     own: Vec<f64>,
 }
@@ -83,20 +83,40 @@ where
         found.bounds.resize(self.nodes.len(), Aabb::EMPTY);
         found.own.resize(self.nodes.len(), 0.0);
         (self.leaves).refit(&self.primitives, &mut found.blocks, self.isa);
+        self.bounds = found
+            .blocks
+            .iter()
+            .fold(Aabb::EMPTY, |b, &block| b.union(block));
+        self.scale = self.bounds.scale();
         found.place_leaves(&mut self.nodes);
         found.place_nodes(&mut self.nodes);
         found.finish(&mut self.nodes, self.isa);
-        self.bounds = match self.root.is_leaf() {
-            true => around(&found.blocks, self.root),
-            false => found.bounds[self.root.index()],
-        };
-        self.scale = self.bounds.scale();
         // Each leaf's box is around all of its primitives now.
         self.cut = false;
     }
 }
 
 impl Fitting {
+    /// Of a tree that fits.
+    pub fn weigh<const N: usize>(&mut self, nodes: &[Node<N>]) {
+        self.own.clear();
+        self.own.extend(nodes.iter().map(own));
+        let around = |node: &Node<N>| node.slots().fold(Aabb::EMPTY, |b, (_, c, _)| b.union(c));
+        self.bounds.clear();
+        self.bounds.extend(nodes.iter().map(around));
+    }
+
+    /// What a ray pays below each node, each step as often as a ray comes there: times its half area.
+    pub fn costs<const N: usize>(&self, nodes: &[Node<N>], costs: &mut Vec<f64>) {
+        costs.clear();
+        costs.extend_from_slice(&self.own);
+        for (i, node) in nodes.iter().enumerate().rev() {
+            for child in inner(node) {
+                costs[i] += costs[child];
+            }
+        }
+    }
+
     /// Gives all nodes the boxes of their leaves; what is around a node begins with these.
     fn place_leaves<const N: usize>(&mut self, nodes: &mut [Node<N>]) {
         let blocks = &self.blocks;
@@ -161,21 +181,30 @@ impl<const N: usize> Kernel<N> for Finish<'_, N> {
     fn run<S: Simd + Lanes<N>>(self, s: S) {
         for (node, own) in self.nodes.iter_mut().zip(self.own) {
             node.set_order(s);
-            let areas = node.half_areas();
-            *own = 0.0;
-            for lane in 0..N {
-                *own += areas[lane] * weight(node.child(lane));
-            }
+            *own = self::own(node);
         }
     }
 }
 
-/// What opening a child costs.
+/// What opening a node's children costs, each as often as a ray comes there.
 #[inline(always)]
-pub fn weight(child: Child) -> f64 {
-    if child.is_leaf() {
-        child.blocks().len() as f64
-    } else {
-        NODE_COST
+fn own<const N: usize>(node: &Node<N>) -> f64 {
+    let areas = node.half_areas();
+    let mut own = 0.0;
+    for (lane, area) in areas.iter().enumerate() {
+        let child = node.child(lane);
+        let cost = if child.is_leaf() {
+            child.blocks().len() as f64
+        } else {
+            NODE_COST
+        };
+        own += area * cost;
     }
+    own
+}
+
+/// The nodes below a node.
+pub fn inner<const N: usize>(node: &Node<N>) -> impl Iterator<Item = usize> {
+    let children = node.children().iter().map(|&child| Child(child));
+    children.filter(|child| !child.is_leaf()).map(Child::index)
 }
