@@ -387,3 +387,48 @@ impl TriangleBlock {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::TriangleMesh;
+    use crate::simd::{Kernel, Level, Simd, Vectorize};
+    use alloc::vec::Vec;
+
+    struct Refit<'a>(&'a mut TriangleBlock, &'a TriangleMesh);
+
+    impl Kernel<LANES> for Refit<'_> {
+        type Output = Aabb;
+        #[inline(always)]
+        fn run<S: Simd + Lanes<LANES>>(self, s: S) -> Aabb {
+            self.0.refit(s, self.1)
+        }
+    }
+
+    #[test]
+    fn a_block_follows_its_triangles_at_every_level() {
+        let corner = |i: usize| [i as f32, (i * i % 7) as f32 - 3.0, -0.5 * i as f32];
+        let corners = (0..30).map(corner);
+        let triangles = (0..10_u32).map(|i| [i, (7 * i + 3) % 30, 29 - i]);
+        let mut mesh = TriangleMesh::new(corners, triangles).expect("a good mesh");
+        for ids in [&[4_u32][..], &[2, 9], &[0, 1, 5], &[3, 4, 6, 8]] {
+            let before = TriangleBlock::new(ids, |i| mesh.triangle(i));
+            let to = mesh.positions().iter().map(|&p| p * -3.0);
+            mesh.move_vertices(to.collect::<Vec<_>>()).expect("finite");
+            let expected = TriangleBlock::new(ids, |i| mesh.triangle(i));
+            let around = ids.iter().flat_map(|&i| mesh.triangle(i as usize));
+            let around = Aabb::of(around);
+            for level in Level::available() {
+                let mut block = before;
+                assert_eq!(level.vectorize(Refit(&mut block, &mesh)), around);
+                for lane in 0..LANES {
+                    assert_eq!(block.numbered(lane), expected.numbered(lane));
+                    // What is not there is hit by nothing.
+                    let there = lane < ids.len();
+                    let rows = block.corners.iter().flatten();
+                    assert!(rows.into_iter().all(|row| row[lane].is_nan() != there));
+                }
+            }
+        }
+    }
+}

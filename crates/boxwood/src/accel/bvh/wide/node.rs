@@ -332,3 +332,75 @@ fn splat<S: Lanes<N>, const N: usize>(s: S, [x, y, z, _]: [f32; 4]) -> [F<S, N>;
         F::<S, N>::splat(s, z),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::{Kernel, Level, Simd, Vectorize};
+
+    struct Order<'a, const N: usize>(&'a mut Node<N>);
+
+    impl<const N: usize> Kernel<N> for Order<'_, N> {
+        type Output = ();
+        #[inline(always)]
+        fn run<S: Simd + Lanes<N>>(self, s: S) {
+            self.0.set_order(s);
+        }
+    }
+
+    fn check<const N: usize>(children: &[(Aabb, Child)])
+    where
+        Level: Vectorize<N>,
+    {
+        let expected = Node::<N>::new(children);
+        for octant in 0..8 {
+            let order = expected.order(octant);
+            let lanes: [usize; N] = core::array::from_fn(|i| (order >> (4 * i)) as usize & 15);
+            let mut sorted = lanes;
+            sorted.sort_unstable();
+            assert!((0..N).eq(sorted), "each once: {lanes:?}");
+            let far = |lane: usize| {
+                let middle = |b: &Aabb, k: usize| f64::from(b.lower[k] + b.upper[k]);
+                let sign = |k: usize| if octant >> k & 1 == 1 { -1.0 } else { 1.0 };
+                let sum = |b: &Aabb| (0..3).map(|k| sign(k) * middle(b, k)).sum::<f64>();
+                let bounds = children.get(lane).map(|c| &c.0).filter(|b| !b.is_empty());
+                bounds.map(sum).filter(|sum| sum.is_finite())
+            };
+            let keys: [Option<f64>; N] = lanes.map(far);
+            let known = keys.iter().flatten();
+            assert!(known.is_sorted_by(|a, b| a >= b), "far to near: {keys:?}");
+        }
+        for level in Level::available() {
+            let mut node = expected;
+            node.order = [0x5555_5555; N];
+            level.vectorize(Order(&mut node));
+            assert_eq!(node.order, expected.order, "{}", level.name());
+        }
+    }
+
+    #[test]
+    fn children_are_ordered_far_to_near_at_every_level() {
+        let mut seed = 1_u64;
+        let mut next = || {
+            seed = seed.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
+            // Small whole numbers: sums are exact and ties frequent.
+            (seed >> 60) as f32 - 8.0
+        };
+        for count in 0..=16 {
+            let child = |i: usize| {
+                let corner = [next(), next(), next()];
+                let bounds = match i % 7 {
+                    5 => Aabb::EMPTY,
+                    6 => Aabb::new([f32::MIN; 3], [f32::MAX; 3]),
+                    3 => Aabb::new([f32::MAX; 3], [f32::MAX; 3]),
+                    _ => Aabb::new(corner, corner.map(|x| x + 1.0)),
+                };
+                (bounds, Child::node(i))
+            };
+            let children: alloc::vec::Vec<_> = (0..count).map(child).collect();
+            check::<16>(&children);
+            check::<8>(&children[..count.min(8)]);
+            check::<4>(&children[..count.min(4)]);
+        }
+    }
+}

@@ -106,14 +106,20 @@ impl Fitting {
         self.bounds.extend(nodes.iter().map(around));
     }
 
-    /// What a ray pays below each node, each step as often as a ray comes there: times its half area.
-    pub fn costs<const N: usize>(&self, nodes: &[Node<N>], costs: &mut Vec<f64>) {
+    /// What a ray pays below each node, each step as often as a ray comes there: times its half area. They are shown from the last to the
+    /// first, with the boxes.
+    pub fn costs<const N: usize>(
+        &self,
+        nodes: &[Node<N>],
+        costs: &mut Vec<f64>,
+        mut show: impl FnMut(usize, f64, &Aabb),
+    ) {
         costs.clear();
         costs.extend_from_slice(&self.own);
         for (i, node) in nodes.iter().enumerate().rev() {
-            for child in inner(node) {
-                costs[i] += costs[child];
-            }
+            let below: f64 = inner(node).map(|child| costs[child]).sum();
+            costs[i] += below;
+            show(i, costs[i], &self.bounds[i]);
         }
     }
 

@@ -3,11 +3,11 @@
 //! *How it works.* After each movement the tree is fitted, which also says what a ray that enters a node is expected to pay below it (the
 //! surface-area heuristic). What that is more than it was when this part of the tree was built is lost with every ray; the losses of each
 //! subtree are added up from frame to frame, as somebody who hires adds up what he has paid. When they come to as much as building the
-//! subtree anew costs, it is built anew: so no more than about twice as much is ever spent as by somebody who knew the future. Among
-//! subtrees within each other those are taken that save the most, and the whole tree is one of them. Everything follows from boxes and counts, nothing
-//! from a clock: the same movements lead to the same decisions on every machine.
+//! subtree anew costs, it is built anew: then about twice as much is spent as by somebody who knew the future, as far as what is built anew is as
+//! good as it was at first. Among subtrees within each other those are taken that save the most, and the whole tree is one of them. Everything
+//! follows from boxes and counts, nothing from a clock: the same movements lead to the same decisions on every machine.
 //!
-//! *Cost.* One pass over the nodes besides fitting; 24 bytes for each node.
+//! *Cost.* One pass over the nodes besides fitting; 24 bytes for each block of a leaf and 64 for each node.
 //!
 //! *Source.* Karlin, Manasse, Rudolph & Sleator 1988, *Competitive Snoopy Caching* (to hire or to buy); Lauterbach, Yoon, Tuft & Manocha
 //! 2006, *RT-DEFORM* (watching a cost), Yoon, Curtis & Manocha 2007 (subtrees).
@@ -156,10 +156,12 @@ where
 
     fn follow(&mut self) -> Result<Updated, BuildError> {
         self.bvh.fit(&mut self.fitting);
-        self.fitting.costs(&self.bvh.nodes, &mut self.costs);
+        let chosen = if self.remember() {
+            self.choose()
+        } else {
+            Vec::new()
+        };
         let fitted = self.cost();
-        self.remember();
-        let chosen = self.choose();
         let decision = match &*chosen {
             [] => Decision::Refit,
             [0] => self.rebuild()?,
@@ -182,17 +184,21 @@ where
         }
     }
 
-    /// Adds up what rays paid in vain below each node.
-    fn remember(&mut self) {
+    /// Finds out what rays pay below each node now, adds up what they pay in vain, and says whether that is worth building any of them anew.
+    fn remember(&mut self) -> bool {
         let all = half_area(&self.bvh.bounds);
-        let nodes = self.past.iter_mut().zip(&self.costs);
-        for ((past, cost), bounds) in nodes.zip(&self.fitting.bounds) {
-            let lost = self.rays * (cost - past.rate * half_area(bounds)) / all;
-            // Of boxes without area there is nothing to say.
-            if lost > 0.0 && lost < f64::INFINITY {
-                past.lost += lost;
-            }
-        }
+        let mut worth = false;
+        self.fitting
+            .costs(&self.bvh.nodes, &mut self.costs, |i, cost, bounds| {
+                let past = &mut self.past[i];
+                let lost = self.rays * (cost - past.rate * half_area(bounds)) / all;
+                // Of boxes without area there is nothing to say.
+                if lost > 0.0 && lost < f64::INFINITY {
+                    past.lost += lost;
+                }
+                worth |= past.lost > BUILD * f64::from(past.blocks);
+            });
+        worth
     }
 
     /// The nodes whose subtrees should be built anew, none below another one.
@@ -257,7 +263,8 @@ where
     /// What follows from the boxes of a tree that fits.
     fn weigh(&mut self) {
         self.fitting.weigh(&self.bvh.nodes);
-        self.fitting.costs(&self.bvh.nodes, &mut self.costs);
+        self.fitting
+            .costs(&self.bvh.nodes, &mut self.costs, |_, _, _| ());
     }
 
     /// Remembers nodes that are new; of others, what they were before.
