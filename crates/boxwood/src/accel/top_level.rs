@@ -313,7 +313,7 @@ impl TopLevel {
     /// The object that a hit met, as of the last commit. What it is made of, [`Instances::path`] tells.
     pub fn handle_of(&self, hit: &Hit) -> Option<Handle> {
         let number = self.instances().path(hit.instance).next()?;
-        self.handles.get(number as usize).copied()
+        self.handles.get(number).copied()
     }
 
     fn bvh(&self) -> &WideBvh<Instances, 8> {
