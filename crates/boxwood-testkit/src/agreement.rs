@@ -18,12 +18,11 @@ pub struct Compared {
 /// # Panics
 /// At the first answer that differs from the judge's by a bit, naming structure, question, `case` and ray.
 pub fn check<P: Primitives + Send + Sync>(primitives: &P, rays: &[Ray], case: &str) -> Compared {
-    let expected = Judged::of(primitives, rays);
+    let judged = Judged::new(primitives, rays);
     for entry in structures::all() {
-        let (name, structure) = (entry.name(), entry.build(primitives));
-        expected.check(&*structure, &name, case);
+        judged.check(&*entry.build(primitives), &entry.name(), case);
     }
-    expected.compared()
+    judged.compared()
 }
 
 /// The same of one structure, however it was made.
@@ -36,29 +35,42 @@ pub fn check_one<P: Primitives + Send + Sync>(
     rays: &[Ray],
     case: &str,
 ) -> Compared {
-    let expected = Judged::of(primitives, rays);
-    expected.check(structure, "the structure", case);
-    expected.compared()
+    let judged = Judged::new(primitives, rays);
+    judged.check(structure, "the structure", case);
+    judged.compared()
 }
 
-/// What the judge says of some rays.
-struct Judged<'a> {
-    bounds: Aabb,
+/// What the judge says of some rays, to hold any structure against.
+pub struct Judged<'a> {
     rays: &'a [Ray],
-    answers: Vec<Expected>,
+    expected: Vec<Expected>,
+    bounds: Aabb,
 }
 
 impl<'a> Judged<'a> {
-    fn of<P: Primitives + Send + Sync>(primitives: &P, rays: &'a [Ray]) -> Self {
+    /// Asks the judge.
+    pub fn new<P: Primitives + Send + Sync>(primitives: &P, rays: &'a [Ray]) -> Self {
         let judge = BruteForce::new(primitives);
         Self {
-            bounds: Intersect::bounds(&judge),
             rays,
-            answers: rays.iter().map(|ray| Expected::of(&judge, ray)).collect(),
+            expected: rays.iter().map(|ray| Expected::of(&judge, ray)).collect(),
+            bounds: Intersect::bounds(&judge),
         }
     }
 
-    fn check(&self, structure: &dyn Intersect, name: &str, case: &str) {
+    /// How much it is.
+    pub fn compared(&self) -> Compared {
+        Compared {
+            rays: self.rays.len(),
+            hits: self.expected.iter().filter(|e| !e.all.is_empty()).count(),
+        }
+    }
+
+    /// Asks a structure over the same primitives everything about every ray.
+    ///
+    /// # Panics
+    /// At the first answer that differs by a bit, naming structure, question, `case` and ray.
+    pub fn check(&self, structure: &dyn Intersect, name: &str, case: &str) {
         let rays = self.rays;
         assert_eq!(
             bounds_bits(structure.bounds()),
@@ -71,7 +83,7 @@ impl<'a> Judged<'a> {
         structure.occluded_each(rays, &mut occluded);
         let mut occluders = vec![None; rays.len()];
         structure.occluders(rays, &mut occluders);
-        for (i, (ray, expected)) in rays.iter().zip(&self.answers).enumerate() {
+        for (i, (ray, expected)) in rays.iter().zip(&self.expected).enumerate() {
             let question = |what: &str| format!("{what} of {name}, {case}, ray {i}: {ray:?}");
             expected.holds_for(structure, ray, &question);
             let first = expected.all.first().copied();
@@ -91,14 +103,6 @@ impl<'a> Judged<'a> {
                 "{}",
                 question("occluder")
             );
-        }
-    }
-
-    fn compared(&self) -> Compared {
-        let hits = self.answers.iter().filter(|e| !e.all.is_empty());
-        Compared {
-            rays: self.rays.len(),
-            hits: hits.count(),
         }
     }
 }

@@ -45,12 +45,13 @@ pub use accel::boxes::{BoundingBoxes, ObjectBoxes};
 pub use accel::brute_force::BruteForce;
 pub use accel::bsp_tree::{BspData, BspSah, BspTree};
 pub use accel::bvh::{
-    BinaryTree, BinnedSah, Bvh, EqualCounts, Gathering, Lbvh, Median, Middle, OpenError, Ploc,
-    Precision, Refine, SavedError, SpatialSplit, SweepSah, WideBvh, WideSah,
+    BinaryTree, BinnedSah, Bvh, Decision, EqualCounts, Gathering, Lbvh, Median, Middle, OpenError,
+    Ploc, Precision, Refine, SavedError, SpatialSplit, SweepSah, Updated, Upkeep, WideBvh, WideSah,
 };
 pub use accel::grid::{Density, GridBuilder, UniformGrid};
 pub use accel::kd_tree::{KdLecture, KdSah, KdTree};
 pub use accel::octree::{Octree, OctreeBuilder, OctreeData};
+pub use accel::top_level::{Committed, Handle, TopLevel};
 pub use accel::two_level_grid::{TwoLevelGrid, TwoLevelGridBuilder};
 pub use accel::{Axes, BuildError, Limits, StructureKind, UnknownStructure};
 pub use geometry::implicit::{Enclosure, Formula, Implicit, ImplicitSurface, Segment};
@@ -59,9 +60,9 @@ pub use geometry::shape::{Shape, ShapeError, ShapeFlaw};
 pub use geometry::{Aabb, Affine, Hit, Interval, PreparedRay, Ray, Surface, Vec3};
 pub use geometry::{Cuboid, Cylinder, Disc, Line, OrientedCuboid, Plane, Prism, Sphere, Torus};
 pub use primitive::{
-    Chain, Cuboids, Cylinders, Discs, ImplicitSurfaces, Instance, InstanceError, Instances,
-    MeshError, MollerTrumbore, Object, OrientedCuboids, Planes, Primitives, Shapes, Spheres,
-    Surfaces, Tori, TriangleMesh, Triangles,
+    Chain, Cuboids, Cylinders, Discs, Foresight, ImplicitSurfaces, Instance, InstanceError,
+    Instances, MeshError, MollerTrumbore, Object, OrientedCuboids, Planes, Primitives, Shapes,
+    Spheres, Surfaces, Tori, TriangleMesh, Triangles,
 };
 pub use proximity::Proximity;
 pub use query::{

@@ -34,6 +34,7 @@ mod limits;
 pub mod octree;
 pub mod sah;
 mod settings;
+pub mod top_level;
 pub mod two_level_grid;
 
 pub use axes::{Axes, UnknownAxes};

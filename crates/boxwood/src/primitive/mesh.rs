@@ -1,11 +1,12 @@
 //! Triangle meshes: checked once, trusted afterwards.
 
-use super::{Primitives, Surfaces, Triangles};
+use super::{Foresight, Primitives, Surfaces, Triangles};
 use crate::geometry::triangle::{self, Meeting, moller_trumbore, overlap, watertight};
 use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Surface, Vec3};
 use crate::query::{Counters, Query};
-use crate::simd::exactly;
+use crate::simd::{address, exactly, prefetch};
 use alloc::vec::Vec;
+use core::mem;
 use core::ops::ControlFlow::{self, Continue};
 
 /// Vertices, and three of them per triangle. Every index names a vertex and every vertex that a triangle names is finite.
@@ -126,28 +127,40 @@ impl TriangleMesh {
                 triangles: triangles.len(),
             });
         }
-        for (triangle, corners) in triangles.iter().enumerate() {
-            for &vertex in corners {
-                match positions.get(vertex as usize) {
-                    None => {
-                        return Err(MeshError::NoSuchVertex {
-                            triangle,
-                            vertex,
-                            vertices: positions.len(),
-                        });
-                    }
-                    Some(p) if !p.is_finite() => {
-                        return Err(MeshError::NotFinite { triangle, vertex });
-                    }
-                    Some(_) => {}
-                }
-            }
-        }
+        check_corners(&positions, &triangles)?;
         Ok(Self {
             positions,
             triangles,
             object_ends: Vec::new(),
         })
+    }
+
+    /// Moves the vertices: the same triangles, with other corners. Vertices that no triangle names may become more or fewer.
+    ///
+    /// A structure over the mesh must follow it, as [`WideBvh::update`](crate::WideBvh::update) does.
+    ///
+    /// # Errors
+    /// As [`TriangleMesh::new`]; then all vertices remain where they were.
+    pub fn move_vertices<V: Into<[f32; 3]>>(
+        &mut self,
+        positions: impl IntoIterator<Item = V>,
+    ) -> Result<(), MeshError> {
+        self.swap_vertices(&mut positions.into_iter().map(|p| p.into().into()).collect())
+    }
+
+    /// The same without copies: the mesh gets the positions, and the list those that the mesh had, to be written over for
+    /// the next frame.
+    ///
+    /// # Errors
+    /// As [`TriangleMesh::new`]; then nothing is exchanged.
+    pub fn swap_vertices(&mut self, positions: &mut Vec<Vec3>) -> Result<(), MeshError> {
+        // The triangles name none beyond the old ones, so mostly one look at each vertex is enough.
+        let finite = |part: &[Vec3]| part.iter().fold(true, |all, p| all & p.is_finite());
+        if positions.len() < self.positions.len() || !positions.chunks(1024).all(finite) {
+            check_corners(positions, &self.triangles)?;
+        }
+        mem::swap(&mut self.positions, positions);
+        Ok(())
     }
 
     /// The same mesh, knowing that its triangles belong to several objects: the first one ends before triangle
@@ -175,12 +188,37 @@ impl TriangleMesh {
     /// When there is no such triangle.
     #[inline(always)]
     pub fn triangle(&self, i: usize) -> [Vec3; 3] {
-        self.triangles[i].map(|v| self.positions[v as usize])
+        // Without a closure: kernels ask this.
+        let [a, b, c] = self.triangles[i];
+        let at = &*self.positions;
+        [at[a as usize], at[b as usize], at[c as usize]]
     }
     /// The bytes that vertices and triangles take.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.positions) + size_of_val(&*self.triangles)
     }
+}
+
+/// Whether every corner is a vertex, and finite.
+fn check_corners(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
+    for (triangle, corners) in triangles.iter().enumerate() {
+        for &vertex in corners {
+            match positions.get(vertex as usize) {
+                None => {
+                    return Err(MeshError::NoSuchVertex {
+                        triangle,
+                        vertex,
+                        vertices: positions.len(),
+                    });
+                }
+                Some(p) if !p.is_finite() => {
+                    return Err(MeshError::NotFinite { triangle, vertex });
+                }
+                Some(_) => {}
+            }
+        }
+    }
+    Ok(())
 }
 
 #[inline(always)]
@@ -209,9 +247,21 @@ impl Primitives for TriangleMesh {
     fn overlaps(&self, i: usize, within: &Aabb) -> bool {
         overlap::overlaps(self.triangle(i), within)
     }
-    #[inline]
+    #[inline(always)]
     fn corners(&self, i: usize) -> Option<[Vec3; 3]> {
         Some(self.triangle(i))
+    }
+    #[inline(always)]
+    fn foresee(&self, i: usize, step: Foresight) {
+        match step {
+            Foresight::Far => prefetch(address(&self.triangles, i), 1),
+            Foresight::Near => {
+                let [a, b, c] = self.triangles.get(i).copied().unwrap_or_default();
+                prefetch(address(&self.positions, a as usize), 1);
+                prefetch(address(&self.positions, b as usize), 1);
+                prefetch(address(&self.positions, c as usize), 1);
+            }
+        }
     }
     fn object_end(&self, i: usize) -> usize {
         // The number of ends that are not beyond `i` is the number of the object.
@@ -339,6 +389,31 @@ mod tests {
             refused(TriangleMesh::from_flat(&[0.0; 3], &[0_u16; 2])),
             "the list of indices has 2 numbers, which is not a multiple of three"
         );
+    }
+
+    #[test]
+    fn vertices_move_or_stay_where_they_were() {
+        let first = [[0.0_f32; 3], [1.0; 3], [2.0; 3], [f32::NAN; 3]];
+        let mut mesh = TriangleMesh::new(first, [[0_u32, 1, 2]]).expect("good");
+        let place = |mesh: &TriangleMesh| mesh.triangle(0).map(|p| p.x);
+        let mut next = Vec::from([Vec3::splat(1.0); 5]);
+        mesh.swap_vertices(&mut next).expect("more vertices");
+        assert_eq!((place(&mesh), next.len()), ([1.0; 3], 4));
+        mesh.move_vertices([[7.0; 3]; 3])
+            .expect("fewer, but enough");
+        let refused = |r: Result<(), MeshError>| r.expect_err("refused").to_string();
+        assert_eq!(
+            refused(mesh.move_vertices([[8.0; 3]; 2])),
+            "triangle 0 names vertex 2, but there are 2"
+        );
+        assert_eq!(
+            refused(mesh.move_vertices([[8.0; 3], [f32::INFINITY; 3], [8.0; 3]])),
+            "triangle 0 names vertex 1, which is not finite"
+        );
+        assert_eq!(place(&mesh), [7.0; 3]);
+        let unnamed = [[9.0; 3], [9.0; 3], [9.0; 3], [f32::NAN; 3]];
+        mesh.move_vertices(unnamed).expect("nobody looks there");
+        assert_eq!(place(&mesh), [9.0; 3]);
     }
 
     #[test]

@@ -46,6 +46,10 @@ pub trait Primitives {
     fn corners(&self, _i: usize) -> Option<[Vec3; 3]> {
         None
     }
+    /// Begins to load what [`Primitives::corners`] will read; a hint for sets that are asked for many corners, in an order of
+    /// their structure's. Any number may be asked for.
+    #[inline(always)]
+    fn foresee(&self, _i: usize, _step: Foresight) {}
     /// One past the last primitive of the object that primitive `i` belongs to: objects are runs of primitives, such as
     /// the placed meshes of a scene. By default each primitive is an object.
     fn object_end(&self, i: usize) -> usize {
@@ -72,6 +76,15 @@ pub trait Primitives {
     /// Whether every primitive is the triangle that [`Primitives::corners`] gives, met by the canonical test: what wide
     /// structures may then do lane by lane. [`TriangleMesh`] is such a set.
     const TRIANGLES: bool = false;
+}
+
+/// How far ahead of time [`Primitives::foresee`] is called.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Foresight {
+    /// Twice as far as later: time to load what tells where the corners are.
+    Far,
+    /// What was asked for earlier is there: time to load the corners.
+    Near,
 }
 
 /// Primitives that can say what their surface is like where a ray met it.
@@ -191,9 +204,13 @@ macro_rules! forward {
             fn overlaps(&self, i: usize, within: &Aabb) -> bool {
                 (**self).overlaps(i, within)
             }
-            #[inline]
+            #[inline(always)]
             fn corners(&self, i: usize) -> Option<[Vec3; 3]> {
                 (**self).corners(i)
+            }
+            #[inline(always)]
+            fn foresee(&self, i: usize, step: Foresight) {
+                (**self).foresee(i, step);
             }
             #[inline]
             fn object_end(&self, i: usize) -> usize {

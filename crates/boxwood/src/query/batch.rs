@@ -25,3 +25,28 @@ pub(crate) fn each_chunk<Q: Sync, A: Send>(
         chunks.for_each(|(questions, answers)| work(questions, answers));
     });
 }
+
+/// Chunks of two lists side by side, each with the place of its first items, in the caller's pool where there is one. The
+/// lists are as long as each other.
+pub(crate) fn each_pair<A: Send, B: Send>(
+    chunk: usize,
+    first: &mut [A],
+    second: &mut [B],
+    work: impl Fn(usize, &mut [A], &mut [B]) + Send + Sync,
+) {
+    debug_assert_eq!(first.len(), second.len());
+    #[cfg(feature = "parallel")]
+    first
+        .par_chunks_mut(chunk)
+        .zip(second.par_chunks_mut(chunk))
+        .enumerate()
+        .exactly()
+        .for_each(|(i, (first, second))| work(i * chunk, first, second));
+    #[cfg(not(feature = "parallel"))]
+    exactly(|| {
+        let chunks = first.chunks_mut(chunk).zip(second.chunks_mut(chunk));
+        for (i, (first, second)) in chunks.enumerate() {
+            work(i * chunk, first, second);
+        }
+    });
+}

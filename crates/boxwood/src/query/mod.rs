@@ -9,7 +9,7 @@ mod counters;
 mod intersect;
 mod kinds;
 
-pub(crate) use batch::each_chunk;
+pub(crate) use batch::{each_chunk, each_pair};
 pub use counters::{Counters, Step, TraversalStats, Verdict};
 pub use intersect::{Intersect, Relay};
 pub use kinds::{AllHits, Closest, Filter, FirstHits, Occluded, Seen};

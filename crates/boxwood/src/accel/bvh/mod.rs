@@ -25,7 +25,7 @@ pub use {
     refine::Refine,
     tree::{BinaryNode, BinaryTree, MAX_DEPTH, MAX_LEAF},
     wide::{
-        Gathering, OpenError, Precision, SavedError, UnknownGathering, UnknownPrecision, WideBvh,
-        WideSah,
+        Decision, Gathering, OpenError, Precision, SavedError, UnknownGathering, UnknownPrecision,
+        Updated, Upkeep, WideBvh, WideSah,
     },
 };

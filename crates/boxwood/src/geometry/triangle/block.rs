@@ -8,7 +8,8 @@
 
 use super::watertight::TINY;
 use crate::geometry::ray::Leaning;
-use crate::geometry::{Hit, PreparedRay, Vec3};
+use crate::geometry::{Aabb, Hit, PreparedRay, Vec3};
+use crate::primitive::Primitives;
 use crate::query::Query;
 use crate::simd::{F, Floats, Lanes, Mask, plain};
 use core::ops::ControlFlow::{self, Break, Continue};
@@ -47,14 +48,71 @@ impl TriangleBlock {
         block
     }
 
+    /// Takes the corners of its triangles anew, and says what box is around them.
+    #[inline(always)]
+    pub fn refit<S: Lanes<LANES>, P: Primitives>(&mut self, s: S, primitives: &P) -> Aabb {
+        // No branch on how many there are: a lane without looks at the first triangle, and keeps its NaN.
+        let [p, q, r, t] = self.ids;
+        let triangles = [
+            corners(primitives, p),
+            corners(primitives, if q == u32::MAX { p } else { q }),
+            corners(primitives, if r == u32::MAX { p } else { r }),
+            corners(primitives, if t == u32::MAX { p } else { t }),
+        ];
+        let first = F::<S, LANES>::load(s, &self.corners[0][0]);
+        let there = first.le(first);
+        let [a, b, c] = [
+            row(s, &triangles, 0, 0),
+            row(s, &triangles, 1, 0),
+            row(s, &triangles, 2, 0),
+        ];
+        self.keep(s, there, 0, [a, b, c]);
+        let x = least_and_most::<S>(a.min(b).min(c), a.max(b).max(c));
+        let [a, b, c] = [
+            row(s, &triangles, 0, 1),
+            row(s, &triangles, 1, 1),
+            row(s, &triangles, 2, 1),
+        ];
+        self.keep(s, there, 1, [a, b, c]);
+        let y = least_and_most::<S>(a.min(b).min(c), a.max(b).max(c));
+        let [a, b, c] = [
+            row(s, &triangles, 0, 2),
+            row(s, &triangles, 1, 2),
+            row(s, &triangles, 2, 2),
+        ];
+        self.keep(s, there, 2, [a, b, c]);
+        let z = least_and_most::<S>(a.min(b).min(c), a.max(b).max(c));
+        Aabb {
+            lower: Vec3::new(x.0, y.0, z.0),
+            upper: Vec3::new(x.1, y.1, z.1),
+        }
+    }
+
+    /// Writes one coordinate of three corners, where there are triangles.
+    #[inline(always)]
+    fn keep<S: Lanes<LANES>>(
+        &mut self,
+        s: S,
+        there: S::M,
+        axis: usize,
+        [a, b, c]: [F<S, LANES>; 3],
+    ) {
+        let [p, q, r] = &mut self.corners;
+        let nan = F::<S, LANES>::splat(s, f32::NAN);
+        p[axis] = a.choose(there, nan).to_array();
+        q[axis] = b.choose(there, nan).to_array();
+        r[axis] = c.choose(there, nan).to_array();
+    }
+
+    /// The numbers in all lanes, `u32::MAX` in one without a triangle.
+    #[inline(always)]
+    pub fn lanes(&self) -> &[u32; LANES] {
+        &self.ids
+    }
+
     /// The numbers of its triangles.
     pub fn ids(&self) -> &[u32] {
         &self.ids[..self.count()]
-    }
-
-    /// The numbers in all lanes, `u32::MAX` in one without.
-    pub fn lanes(&self) -> [u32; LANES] {
-        self.ids
     }
 
     /// One of its triangles, with its number; `None` in a lane without.
@@ -147,6 +205,45 @@ impl TriangleBlock {
         }
         Continue(())
     }
+}
+
+#[inline(always)]
+fn corners(primitives: &impl Primitives, id: u32) -> [Vec3; 3] {
+    primitives.corners(id as usize).expect("a triangle")
+}
+
+/// One coordinate of one corner of four triangles.
+#[inline(always)]
+fn row<S: Lanes<LANES>>(
+    s: S,
+    [p, q, r, t]: &[[Vec3; 3]; LANES],
+    corner: usize,
+    axis: usize,
+) -> F<S, LANES> {
+    F::<S, LANES>::load(
+        s,
+        &[
+            p[corner][axis],
+            q[corner][axis],
+            r[corner][axis],
+            t[corner][axis],
+        ],
+    )
+}
+
+/// Of all lanes.
+#[inline(always)]
+fn least_and_most<S: Lanes<LANES>>(least: F<S, LANES>, most: F<S, LANES>) -> (f32, f32) {
+    let ([a, b, c, d], [e, f, g, h]) = (least.to_array(), most.to_array());
+    (
+        less(less(a, b), less(c, d)),
+        -less(less(-e, -f), less(-g, -h)),
+    )
+}
+
+#[inline(always)]
+fn less(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
 /// Why the triangles were not all shown.
@@ -292,5 +389,50 @@ impl TriangleBlock {
             v: w * r,
             uncovered: if rays.exact { (met & thin).bits() } else { 0 },
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::TriangleMesh;
+    use crate::simd::{Kernel, Level, Simd, Vectorize};
+    use alloc::vec::Vec;
+
+    struct Refit<'a>(&'a mut TriangleBlock, &'a TriangleMesh);
+
+    impl Kernel<LANES> for Refit<'_> {
+        type Output = Aabb;
+        #[inline(always)]
+        fn run<S: Simd + Lanes<LANES>>(self, s: S) -> Aabb {
+            self.0.refit(s, self.1)
+        }
+    }
+
+    #[test]
+    fn a_block_follows_its_triangles_at_every_level() {
+        let corner = |i: usize| [i as f32, (i * i % 7) as f32 - 3.0, -0.5 * i as f32];
+        let corners = (0..30).map(corner);
+        let triangles = (0..10_u32).map(|i| [i, (7 * i + 3) % 30, 29 - i]);
+        let mut mesh = TriangleMesh::new(corners, triangles).expect("a good mesh");
+        for ids in [&[4_u32][..], &[2, 9], &[0, 1, 5], &[3, 4, 6, 8]] {
+            let before = TriangleBlock::new(ids, |i| mesh.triangle(i));
+            let to = mesh.positions().iter().map(|&p| p * -3.0);
+            mesh.move_vertices(to.collect::<Vec<_>>()).expect("finite");
+            let expected = TriangleBlock::new(ids, |i| mesh.triangle(i));
+            let around = ids.iter().flat_map(|&i| mesh.triangle(i as usize));
+            let around = Aabb::of(around);
+            for level in Level::available() {
+                let mut block = before;
+                assert_eq!(level.vectorize(Refit(&mut block, &mesh)), around);
+                for lane in 0..LANES {
+                    assert_eq!(block.numbered(lane), expected.numbered(lane));
+                    // What is not there is hit by nothing.
+                    let there = lane < ids.len();
+                    let rows = block.corners.iter().flatten();
+                    assert!(rows.into_iter().all(|row| row[lane].is_nan() != there));
+                }
+            }
+        }
     }
 }

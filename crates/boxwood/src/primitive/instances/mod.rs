@@ -21,6 +21,7 @@ mod object;
 mod outline;
 mod path;
 mod placement;
+mod renew;
 
 pub use object::Object;
 
@@ -173,42 +174,43 @@ impl Instances {
     }
 
     fn check(objects: Vec<Object>, instances: &[Instance]) -> Result<Self, InstanceError> {
+        let placements = each(instances, |number, i| place(&objects, number, i))?;
+        let transforms = instances.iter().map(|i| i.transform).collect();
+        let mut all = Self::number(objects, transforms, placements)?;
+        all.set_scale();
+        Ok(all)
+    }
+
+    /// The set of these placements, whose boxes are still to be made.
+    fn number(
+        objects: Vec<Object>,
+        transforms: Vec<Affine>,
+        mut placements: Vec<Placement>,
+    ) -> Result<Self, InstanceError> {
         let depth = 1 + objects.iter().map(Object::depth).max().unwrap_or(0);
         if depth > object::MAX_DEPTH {
             return Err(InstanceError::TooDeep {
                 most: object::MAX_DEPTH,
             });
         }
-        let mut placements = each(instances, |number, instance| {
-            let Some(object) = objects.get(instance.object as usize) else {
-                return Err(InstanceError::NoSuchObject {
-                    instance: number,
-                    object: instance.object,
-                    objects: objects.len(),
-                });
-            };
-            Placement::new(instance, object).map_err(|flaw| flaw.of(number))
-        })?;
         let mut count = 0_u64;
         for placement in &mut placements {
             placement.first = count as u32;
             count += u64::from(objects[placement.object as usize].placements());
         }
         // So many instances of nothing could still be numbered, but not by structures over them.
-        let most = count.max(instances.len() as u64);
+        let most = count.max(placements.len() as u64);
         if most >= u64::from(u32::MAX) {
             return Err(InstanceError::TooMany { placements: most });
         }
-        let mut all = Self {
+        Ok(Self {
             objects,
-            transforms: instances.iter().map(|i| i.transform).collect(),
+            transforms,
             placements,
             count: count as u32,
             depth,
             scale: 0.0,
-        };
-        all.set_scale();
-        Ok(all)
+        })
     }
 
     /// Moves some instances, each given by its number in this set: all of a frame's at once. Whatever stands over the instances
@@ -245,8 +247,8 @@ impl Instances {
         })
     }
 
-    /// Finds out how far the set reaches; where that has changed, all boxes are made anew.
-    fn set_scale(&mut self) {
+    /// Finds out how far the set reaches; where that has changed, all boxes are made anew, which it says.
+    fn set_scale(&mut self) -> bool {
         let reach = self.placements.iter().fold(0.0, |m: f32, p| m.max(p.reach));
         let scale = if reach > 0.0 {
             2.0 / f64::from(math::power_to_one(reach))
@@ -254,7 +256,7 @@ impl Instances {
             0.0
         };
         if scale == self.scale {
-            return;
+            return false;
         }
         self.scale = scale;
         let (objects, transforms) = (&self.objects, &self.transforms);
@@ -271,6 +273,7 @@ impl Instances {
             .for_each(set);
         #[cfg(not(feature = "parallel"))]
         self.placements.iter_mut().enumerate().for_each(set);
+        true
     }
 
     /// Whether an object can be placed by a transform: it is finite and has an inverse that floats can tell.
@@ -305,6 +308,18 @@ impl Instances {
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.placements) + size_of_val(&*self.transforms)
     }
+}
+
+/// One instance, by its number; its box is still to be made.
+fn place(objects: &[Object], number: usize, at: &Instance) -> Result<Placement, InstanceError> {
+    let Some(object) = objects.get(at.object as usize) else {
+        return Err(InstanceError::NoSuchObject {
+            instance: number,
+            object: at.object,
+            objects: objects.len(),
+        });
+    };
+    Placement::new(at, object).map_err(|flaw| flaw.of(number))
 }
 
 /// What is made of each of many things, or the first error.

@@ -48,6 +48,16 @@ impl<const N: usize> WideSah<N> {
     /// Raised whenever the same settings make another tree of the same primitives: what is kept under the settings' names, in a cache,
     /// should have this in the name too.
     pub const REVISION: u32 = 1;
+    /// What makes the binary tree.
+    pub(super) fn binary(&self) -> BinnedSah {
+        BinnedSah {
+            bins: self.bins,
+            max_leaf: Leaves::LANES,
+            block: Leaves::LANES,
+            axes: self.axes,
+            refine: self.refine,
+        }
+    }
 }
 
 impl<const N: usize> WideSah<N>
@@ -71,16 +81,9 @@ where
         primitives: P,
         limits: &Limits<'_>,
     ) -> Result<WideBvh<P, N>, BuildError> {
-        let binned = BinnedSah {
-            bins: self.bins,
-            max_leaf: Leaves::LANES,
-            block: Leaves::LANES,
-            axes: self.axes,
-            refine: self.refine,
-        };
         // The tree is the greater part of the work.
         let watch = |share: f32| limits.watch.map_or(Continue(()), |watch| watch(share));
-        let tree = binned.build_within(
+        let tree = self.binary().build_within(
             &primitives,
             &Limits {
                 watch: Some(&|share| watch(TREE * share)),

@@ -1,15 +1,22 @@
 //! What lies in the leaves: triangles lane by lane, or the numbers of anything else.
 
+use crate::geometry::Aabb;
 use crate::geometry::triangle::block::{BlockRay, LANES, Stop, TriangleBlock};
-use crate::primitive::{self, Primitives, Triangles};
+use crate::primitive::{self, Foresight, Primitives, Triangles};
 use crate::proximity::Numbered;
-use crate::query::{Counters, Query};
-use crate::simd::{Lanes, Pages, address, words, words_mut};
+use crate::query::{Counters, Query, each_pair};
+use crate::simd::{Isa, Kernel, Lanes, Pages, Simd, Vectorize, address, words, words_mut};
 use core::ops::ControlFlow::{self, Break, Continue};
 use core::ops::Range;
 
 /// No primitive in this place.
 pub const NONE: u32 = u32::MAX;
+
+/// So many blocks are brought up to date by one thread at a time.
+const CHUNK: usize = 1024;
+
+/// So many blocks ahead corners are asked for, and twice as many ahead the vertices' numbers.
+const AHEAD: usize = 6;
 
 /// The blocks of all leaves. One of the lists is empty: which, is decided by [`Primitives::TRIANGLES`].
 #[derive(Clone, Debug, Default)]
@@ -65,6 +72,15 @@ impl Leaves {
         }
     }
 
+    /// With room for so many blocks.
+    pub fn with_capacity<P: Primitives>(blocks: usize) -> Self {
+        let (triangles, ids) = Self::lists::<P>(blocks);
+        Self {
+            triangles: Pages::with_room(triangles),
+            ids: Pages::with_room(ids),
+        }
+    }
+
     /// So many blocks of zeros, to be written over; `None` where there is no memory for them.
     pub fn zeroed<P: Primitives>(blocks: usize) -> Option<Self> {
         let (triangles, ids) = Self::lists::<P>(blocks);
@@ -95,7 +111,7 @@ impl Leaves {
     /// The numbers in all places of a block; [`NONE`] in those without a primitive.
     pub fn places(&self, block: usize) -> [u32; LANES] {
         match self.triangles.get(block) {
-            Some(triangles) => triangles.lanes(),
+            Some(triangles) => *triangles.lanes(),
             None => self.ids[block],
         }
     }
@@ -115,6 +131,40 @@ impl Leaves {
         Blocks {
             triangles: &mut self.triangles,
             ids: &mut self.ids,
+        }
+    }
+
+    /// Appends a leaf that others hold, and says which blocks it got.
+    pub fn push_copy(&mut self, from: &Self, blocks: Range<usize>) -> Range<usize> {
+        let first = self.len();
+        for block in blocks {
+            match from.triangles.get(block) {
+                Some(&triangles) => self.triangles.push(triangles),
+                None => self.ids.push(from.ids[block]),
+            }
+        }
+        first..self.len()
+    }
+
+    /// Takes the corners of all triangles anew and finds the box around each block, of which there are as many.
+    pub fn refit<P: Primitives + Sync>(&mut self, primitives: &P, boxes: &mut [Aabb], isa: Isa) {
+        if P::TRIANGLES {
+            each_pair(CHUNK, &mut self.triangles, boxes, |_, blocks, boxes| {
+                isa.level().vectorize(Follow {
+                    primitives,
+                    blocks,
+                    boxes,
+                });
+            });
+        } else {
+            each_pair(CHUNK, &mut self.ids, boxes, |_, blocks, boxes| {
+                for (block, around) in blocks.iter().zip(boxes) {
+                    let ids = block.iter().take_while(|&&id| id != NONE);
+                    *around = ids.fold(Aabb::EMPTY, |b, &id| {
+                        b.union(primitives.bounds(id as usize))
+                    });
+                }
+            });
         }
     }
 
@@ -205,5 +255,41 @@ impl Leaves {
             }
         }
         Continue(())
+    }
+}
+
+/// Takes the corners of some blocks' triangles anew.
+struct Follow<'a, P> {
+    primitives: &'a P,
+    blocks: &'a mut [TriangleBlock],
+    boxes: &'a mut [Aabb],
+}
+
+impl<P: Primitives> Follow<'_, P> {
+    #[inline(always)]
+    fn foresee(&self, block: usize, step: Foresight) {
+        if let Some(block) = self.blocks.get(block) {
+            for &id in block.lanes() {
+                self.primitives.foresee(id as usize, step);
+            }
+        }
+    }
+}
+
+impl<P: Primitives> Kernel<LANES> for Follow<'_, P> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd + Lanes<LANES>>(self, s: S) {
+        for i in 0..2 * AHEAD {
+            self.foresee(i, Foresight::Far);
+        }
+        for i in 0..AHEAD {
+            self.foresee(i, Foresight::Near);
+        }
+        for i in 0..self.blocks.len() {
+            self.foresee(i + 2 * AHEAD, Foresight::Far);
+            self.foresee(i + AHEAD, Foresight::Near);
+            self.boxes[i] = self.blocks[i].refit(s, self.primitives);
+        }
     }
 }

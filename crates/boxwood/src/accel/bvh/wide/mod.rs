@@ -17,15 +17,18 @@ mod batch;
 mod build;
 mod collapse;
 mod gathering;
+mod graft;
 mod hierarchy;
 mod leaf;
 mod node;
 mod packet;
 mod plan;
 mod precision;
+mod refit;
 mod saved;
 mod scalar;
 mod traverse;
+mod upkeep;
 mod validate;
 
 pub use build::WideSah;
@@ -34,6 +37,7 @@ pub use precision::{Precision, UnknownPrecision};
 #[doc(hidden)]
 pub use saved::seal;
 pub use saved::{OpenError, SavedError};
+pub use upkeep::{Decision, Updated, Upkeep};
 
 use crate::accel::BuildError;
 use crate::accel::bvh::refine;

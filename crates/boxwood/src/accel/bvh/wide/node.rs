@@ -74,17 +74,28 @@ impl<const N: usize> Node<N> {
                 .copied()
                 .unwrap_or((Aabb::EMPTY, Child::NOTHING));
             node.children[lane] = child.0;
-            for axis in 0..3 {
-                node.planes.0[2 * axis][lane] = bounds.lower[axis];
-                node.planes.0[2 * axis + 1][lane] = bounds.upper[axis];
-            }
+            node.set_bounds(lane, &bounds);
         }
-        node.set_orders(children.len());
+        node.set_order();
         node
     }
 
-    /// From far to near by their middles, after slots without a child.
-    fn set_orders(&mut self, count: usize) {
+    /// Gives a child another box. When all have theirs, [`Node::set_order`] is due.
+    #[inline(always)]
+    pub fn set_bounds(&mut self, lane: usize, bounds: &Aabb) {
+        for axis in 0..3 {
+            self.planes.0[2 * axis][lane] = bounds.lower[axis];
+            self.planes.0[2 * axis + 1][lane] = bounds.upper[axis];
+        }
+    }
+
+    /// Finds the children's order for every octant: from far to near by the middles of their boxes, after slots without a child. The
+    /// place of each is the number of those that are farther.
+    #[inline(always)]
+    pub fn set_order(&mut self) {
+        let nothing = |&&child: &&u32| child == Child::NOTHING.0;
+        let count = N - self.children.iter().rev().take_while(nothing).count();
+        self.order = [0; N];
         let mut middles = [[0.0; N]; 3];
         for (axis, row) in middles.iter_mut().enumerate() {
             for lane in 0..N {
@@ -166,6 +177,11 @@ impl<const N: usize> Node<N> {
         Child(self.children[lane & (N - 1)])
     }
 
+    /// Puts another child where one is; its box stays.
+    pub fn set_child(&mut self, lane: usize, child: Child) {
+        self.children[lane] = child.0;
+    }
+
     #[inline(always)]
     pub fn children(&self) -> &[u32; N] {
         &self.children
@@ -198,6 +214,20 @@ impl<const N: usize> Node<N> {
         Aabb::new(side(0), side(1))
     }
 
+    /// Half the surface of each child's box; zero where there is no child.
+    #[inline(always)]
+    pub fn half_areas(&self) -> [f64; N] {
+        let rows = &self.planes.0;
+        let mut areas = [0.0; N];
+        for lane in 0..N {
+            let x = extent(rows[0][lane], rows[1][lane]);
+            let y = extent(rows[2][lane], rows[3][lane]);
+            let z = extent(rows[4][lane], rows[5][lane]);
+            areas[lane] = x * y + y * z + z * x;
+        }
+        areas
+    }
+
     /// Where the ray enters and leaves each child within its interval, both erring to the outside by the slack; a child is
     /// entered where `entry <= exit`. As [`PreparedRay::slabs`](crate::PreparedRay::slabs), with fewer roundings where the level can fuse.
     #[inline(always)]
@@ -220,6 +250,11 @@ impl<const N: usize> Node<N> {
             far_x.min(far_y).min(far_z.min(t_max)),
         )
     }
+}
+
+#[inline(always)]
+fn extent(lower: f32, upper: f32) -> f64 {
+    (f64::from(upper) - f64::from(lower)).max(0.0)
 }
 
 /// Which way a ray runs: bit `k` says that it runs down axis `k`.
@@ -317,4 +352,76 @@ fn splat<S: Lanes<N>, const N: usize>(s: S, [x, y, z, _]: [f32; 4]) -> [F<S, N>;
         F::<S, N>::splat(s, y),
         F::<S, N>::splat(s, z),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::{Kernel, Level, Simd, Vectorize};
+
+    struct Order<'a, const N: usize>(&'a mut Node<N>);
+
+    impl<const N: usize> Kernel<N> for Order<'_, N> {
+        type Output = ();
+        #[inline(always)]
+        fn run<S: Simd + Lanes<N>>(self, s: S) {
+            self.0.set_order(s);
+        }
+    }
+
+    fn check<const N: usize>(children: &[(Aabb, Child)])
+    where
+        Level: Vectorize<N>,
+    {
+        let expected = Node::<N>::new(children);
+        for octant in 0..8 {
+            let order = expected.order(octant);
+            let lanes: [usize; N] = core::array::from_fn(|i| (order >> (4 * i)) as usize & 15);
+            let mut sorted = lanes;
+            sorted.sort_unstable();
+            assert!((0..N).eq(sorted), "each once: {lanes:?}");
+            let far = |lane: usize| {
+                let middle = |b: &Aabb, k: usize| f64::from(b.lower[k] + b.upper[k]);
+                let sign = |k: usize| if octant >> k & 1 == 1 { -1.0 } else { 1.0 };
+                let sum = |b: &Aabb| (0..3).map(|k| sign(k) * middle(b, k)).sum::<f64>();
+                let bounds = children.get(lane).map(|c| &c.0).filter(|b| !b.is_empty());
+                bounds.map(sum).filter(|sum| sum.is_finite())
+            };
+            let keys: [Option<f64>; N] = lanes.map(far);
+            let known = keys.iter().flatten();
+            assert!(known.is_sorted_by(|a, b| a >= b), "far to near: {keys:?}");
+        }
+        for level in Level::available() {
+            let mut node = expected;
+            node.order = [0x5555_5555; N];
+            level.vectorize(Order(&mut node));
+            assert_eq!(node.order, expected.order, "{}", level.name());
+        }
+    }
+
+    #[test]
+    fn children_are_ordered_far_to_near_at_every_level() {
+        let mut seed = 1_u64;
+        let mut next = || {
+            seed = seed.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
+            // Small whole numbers: sums are exact and ties frequent.
+            (seed >> 60) as f32 - 8.0
+        };
+        for count in 0..=16 {
+            let child = |i: usize| {
+                let corner = [next(), next(), next()];
+                let bounds = match i % 7 {
+                    5 => Aabb::EMPTY,
+                    6 => Aabb::new([f32::MIN; 3], [f32::MAX; 3]),
+                    3 => Aabb::new([f32::MAX; 3], [f32::MAX; 3]),
+                    _ => Aabb::new(corner, corner.map(|x| x + 1.0)),
+                };
+                (bounds, Child::node(i))
+            };
+            let children: alloc::vec::Vec<_> = (0..count).map(child).collect();
+            check::<16>(&children);
+            check::<8>(&children[..count.min(8)]);
+            check::<4>(&children[..count.min(4)]);
+        }
+    }
 }

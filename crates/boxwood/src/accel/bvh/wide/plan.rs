@@ -23,7 +23,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 /// What opening a wide node costs, in units of one block of primitives.
-const NODE_COST: f32 = 1.5;
+pub const NODE_COST: f32 = 1.5;
 
 /// What becomes of each node of a binary tree.
 pub struct Plan<'a, const N: usize> {
