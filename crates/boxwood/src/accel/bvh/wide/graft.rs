@@ -70,6 +70,7 @@ where
         let ids: Vec<u32> = (0..self.primitives.len() as u32).collect();
         let whole = self.build_part(builder, &ids)?;
         self.become_of(whole);
+        self.cut = false;
         Ok(())
     }
 
@@ -127,7 +128,6 @@ where
         self.nodes = whole.nodes;
         self.leaves = whole.leaves;
         self.depth = whole.depth;
-        self.cut = false;
     }
 
     /// The primitives below a node, ascending and each once.

@@ -91,8 +91,6 @@ where
         found.place_leaves(&mut self.nodes, &self.frame);
         found.place_nodes(&mut self.nodes, &self.frame);
         found.finish(&mut self.nodes, self.isa);
-        // Each leaf's box is around all of its primitives now.
-        self.cut = false;
     }
 }
 
