@@ -70,6 +70,10 @@ const TABLE: &[&str] = &[
     "wide16:isa=portable",
     "wide16:axes=z",
     "wide16:gathering=greedy",
+    "wide8:quality=fast",
+    "wide8:quality=high",
+    "wide8:quality=ultra",
+    "wide16:quality=ultra",
 ];
 
 /// Those that are also built by 1 and by 3 threads, whatever pool the test runs in.
@@ -82,6 +86,9 @@ const THREADED: &[&str] = &[
     "bvh:sweep",
     "bvh:sbvh",
     "bvh:ploc,reinsert=1",
+    "wide16",
+    "wide8:quality=fast",
+    "wide8:quality=ultra",
 ];
 
 /// A structure of the table.

@@ -46,7 +46,8 @@ pub use accel::brute_force::BruteForce;
 pub use accel::bsp_tree::{BspData, BspSah, BspTree};
 pub use accel::bvh::{
     BinaryTree, BinnedSah, Bvh, Decision, EqualCounts, Gathering, Lbvh, Median, Middle, OpenError,
-    Ploc, Precision, Refine, SavedError, SpatialSplit, SweepSah, Updated, Upkeep, WideBvh, WideSah,
+    Ploc, Precision, Quality, Refine, SavedError, SpatialSplit, SweepSah, UnknownQuality, Updated,
+    Upkeep, WideBvh, WideSah,
 };
 pub use accel::grid::{Density, GridBuilder, UniformGrid};
 pub use accel::kd_tree::{KdLecture, KdSah, KdTree};

@@ -1,8 +1,9 @@
 //! Builders of wide trees by name.
 
 use super::leaf::Leaves;
-use super::{Gathering, Precision, WideBvh};
-use crate::accel::bvh::{BinnedSah, Refine};
+use super::{Gathering, Precision, Quality, WideBvh};
+use crate::accel::bvh::tree::BinaryTree;
+use crate::accel::bvh::{BinnedSah, Lbvh, Refine, SpatialSplit};
 use crate::accel::limits::{Limits, unlimited};
 use crate::accel::settings::{Setting, Settings, Value};
 use crate::accel::{Axes, BuildError};
@@ -14,10 +15,13 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::ops::ControlFlow::Continue;
 
-/// A wide tree of `N` children (8 or 16) from the binned surface-area heuristic, collapsed, by default at the least expected cost.
+/// A wide tree of `N` children (8 or 16): a binary tree of the quality that is asked for, by default from the binned surface-area heuristic, collapsed at the least
+/// expected cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WideSah<const N: usize> {
-    /// Bins per axis, 2 to 64.
+    /// What makes the binary tree.
+    pub quality: Quality,
+    /// Bins per axis, 2 to 64, of the qualities that have them but the highest.
     pub bins: usize,
     /// The axes that may be divided.
     pub axes: Axes,
@@ -34,6 +38,7 @@ pub struct WideSah<const N: usize> {
 impl<const N: usize> Default for WideSah<N> {
     fn default() -> Self {
         Self {
+            quality: Quality::Balanced,
             bins: 32,
             axes: Axes::XYZ,
             refine: Refine::NONE,
@@ -48,14 +53,48 @@ impl<const N: usize> WideSah<N> {
     /// Raised whenever the same settings make another tree of the same primitives: what is kept under the settings' names, in a cache,
     /// should have this in the name too.
     pub const REVISION: u32 = 1;
-    /// What makes the binary tree.
+
+    /// What makes parts of the binary tree anew, of whole primitives.
     pub(super) fn binary(&self) -> BinnedSah {
         BinnedSah {
             bins: self.bins,
             max_leaf: Leaves::LANES,
             block: Leaves::LANES,
             axes: self.axes,
-            refine: self.refine,
+            refine: self.refinement(),
+        }
+    }
+
+    /// What is done to the binary tree.
+    fn refinement(&self) -> Refine {
+        Refine {
+            reinsert: self.refine.reinsert.max(self.quality.rounds()),
+            ..self.refine
+        }
+    }
+
+    /// Makes the binary tree.
+    fn tree<P: Primitives + Sync>(
+        &self,
+        primitives: &P,
+        limits: &Limits<'_>,
+    ) -> Result<BinaryTree, BuildError> {
+        let (axes, refine, max_leaf) = (self.axes, self.refinement(), Leaves::LANES);
+        match self.quality {
+            Quality::Fast => Lbvh {
+                max_leaf,
+                axes,
+                refine,
+            }
+            .build_within(primitives, limits),
+            Quality::Balanced | Quality::High => self.binary().build_within(primitives, limits),
+            Quality::Ultra => SpatialSplit {
+                max_leaf,
+                axes,
+                refine,
+                ..SpatialSplit::default()
+            }
+            .build_within(primitives, limits),
         }
     }
 }
@@ -83,7 +122,7 @@ where
     ) -> Result<WideBvh<P, N>, BuildError> {
         // The tree is the greater part of the work.
         let watch = |share: f32| limits.watch.map_or(Continue(()), |watch| watch(share));
-        let tree = self.binary().build_within(
+        let tree = self.tree(
             &primitives,
             &Limits {
                 watch: Some(&|share| watch(TREE * share)),
@@ -125,6 +164,18 @@ impl Value for &mut Gathering {
     }
 }
 
+impl Value for &mut Quality {
+    fn read(&mut self, text: &str) -> bool {
+        text.parse().map(|quality| **self = quality).is_ok()
+    }
+    fn write(&self) -> String {
+        self.to_string()
+    }
+    fn expected(&self) -> String {
+        Quality::ALL.map(|quality| quality.to_string()).join("|")
+    }
+}
+
 impl Value for &mut Precision {
     fn read(&mut self, text: &str) -> bool {
         text.parse().map(|precision| **self = precision).is_ok()
@@ -146,6 +197,7 @@ macro_rules! named {
             const NAME: &'static str = $name;
             fn settings(&mut self) -> Vec<Setting<'_>> {
                 let mut all = Vec::from([
+                    Setting::new("quality", &mut self.quality),
                     Setting::count("bins", &mut self.bins, 2..=64),
                     Setting::axes(&mut self.axes),
                     Setting::new("gathering", &mut self.gathering),

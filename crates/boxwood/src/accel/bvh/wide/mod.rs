@@ -24,6 +24,7 @@ mod node;
 mod packet;
 mod plan;
 mod precision;
+mod quality;
 mod refit;
 mod saved;
 mod scalar;
@@ -34,6 +35,7 @@ mod validate;
 pub use build::WideSah;
 pub use gathering::{Gathering, UnknownGathering};
 pub use precision::{Precision, UnknownPrecision};
+pub use quality::{Quality, UnknownQuality};
 #[doc(hidden)]
 pub use saved::seal;
 pub use saved::{OpenError, SavedError};
