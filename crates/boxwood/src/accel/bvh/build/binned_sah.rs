@@ -3,7 +3,7 @@
 //! *How it works.* On each axis the primitives fall into equal bins by their middles; one sweep from either side gives the
 //! cost of cutting between any two bins. The cheapest cut of the three axes is taken, unless keeping the primitives
 //! together is cheaper and they are few enough for a leaf. A handful of primitives is sorted instead, and every cut
-//! between two of them is tried.
+//! between two of them is tried; of four, every way to part them.
 //!
 //! What is around a half is known when its parent has been divided, so that a level takes one pass that fills the bins of
 //! all axes, one that parts the primitives, and one that looks where their middles lie.
@@ -41,9 +41,21 @@ use {
 };
 
 const MAX_BLOCK: usize = 16;
-/// For so many items and fewer, axes along which middles lie so much closer together than along another one are left out.
+/// For so many items and fewer, axes along which their middles lie close together are left out.
 const SOME: usize = 32;
-const SHORT: f32 = 0.5;
+
+/// How far apart middles lie along an axis that counts: where few lie only half as far apart as along another axis, there is hardly ever a
+/// better cut.
+#[inline(always)]
+fn least_size(axes: Axes, sizes: [f32; 3]) -> f32 {
+    let mut longest = f32::NEG_INFINITY;
+    for axis in 0..3 {
+        if axes.has(axis) && sizes[axis] > longest {
+            longest = sizes[axis];
+        }
+    }
+    0.5 * longest
+}
 
 /// The binned builder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -280,11 +292,10 @@ impl<'i> Binned<'i> {
         self.fill(s, &bins, part.items, &mut rows);
         let mut best: Option<(usize, Cut)> = None;
         let size = part.middles.bounds().size();
-        // Where few lie closer together along an axis than along another one, there is hardly ever a better cut.
         let least = if part.items.len() <= SOME {
-            SHORT * size.x.max(size.y).max(size.z)
+            least_size(self.settings.axes, size.to_array())
         } else {
-            0.0
+            f32::NEG_INFINITY
         };
         for axis in 0..3 {
             if self.settings.axes.has(axis)

@@ -3,7 +3,7 @@
 //! *How it works.* So few need no sorting: each is compared with each, on all axes at once, and its place is the number of
 //! those before it.
 
-use super::SHORT;
+use super::least_size;
 use super::row::Row;
 use crate::accel::Axes;
 use crate::accel::bvh::build::Item;
@@ -52,7 +52,7 @@ pub(super) fn cheapest_cut<S: Lanes<8>>(
         };
         sizes[axis] = middle(items.len().min(FEW) - 1) - middle(0);
     }
-    let least = SHORT * sizes[0].max(sizes[1]).max(sizes[2]);
+    let least = least_size(axes, sizes);
     let mut best: Option<Found> = None;
     for (axis, order) in orders.into_iter().enumerate() {
         if sizes[axis] < least {
