@@ -376,3 +376,29 @@ bvh_builder!(
     ],
     +refine
 );
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::primitive::TriangleMesh;
+
+    /// However long the scene is along the axes that may not be divided.
+    #[test]
+    fn an_axis_that_is_alone_is_always_cut() -> Result<(), Box<dyn core::error::Error>> {
+        let corners = (0..100).flat_map(|i| {
+            let x = ((i * 37) % 100) as f32;
+            let z = 1000.0 * ((i * 61) % 100) as f32;
+            [[x, 0.0, z], [x + 0.5, 0.0, z], [x, 0.5, z]]
+        });
+        let triangles = (0..100).map(|i| [3 * i, 3 * i + 1, 3 * i + 2_u32]);
+        let mesh = TriangleMesh::new(corners, triangles)?;
+        let builder = BinnedSah {
+            max_leaf: 1,
+            axes: "x".parse()?,
+            ..BinnedSah::default()
+        };
+        let places = builder.build(&mesh).order;
+        assert!(places.is_sorted_by_key(|&i| (i * 37) % 100), "{places:?}");
+        Ok(())
+    }
+}
