@@ -1,13 +1,16 @@
 //! Places along a curve that fills space, so that what is close on the curve is close in space.
 //!
 //! *How it works.* Space is a grid of 2²¹ cells an axis; a place's code interleaves the bits of its three cell numbers. The
-//! codes are sorted by their bytes, the lowest first; large lists are sorted in halves that are then merged.
+//! codes are brought to buckets by the highest bits in which they differ, then within each bucket by the next ones. Chunks of a
+//! large list go to the same buckets side by side.
 //!
-//! *Cost.* O(n): eight passes at most, and only over bytes that differ.
+//! *Cost.* O(n): two or three passes where codes lie evenly, seven at most.
 //!
 //! *Source.* Morton 1966, *A Computer Oriented Geodetic Data Base*.
 
 use super::{Aabb, Vec3};
+use crate::pieces;
+use alloc::vec::Vec;
 
 /// Cells along an axis: 21 bits.
 const CELLS: u32 = 1 << 21;
@@ -64,111 +67,173 @@ pub(crate) struct Coded {
     pub id: u32,
 }
 
-/// So many are sorted at once by one thread.
-#[cfg(feature = "parallel")]
-const SEQUENTIAL: usize = 1 << 16;
+/// So many are brought to their buckets by one thread at a time.
+const CHUNK: usize = 1 << 16;
+/// Lists of more are brought to many buckets.
+const MANY: usize = 4096;
+/// So many are sorted by comparing them.
+const FEW: usize = 20;
 
-/// Sorts by code; equal codes keep their order. `spare` is scratch of the same length. After every pass over some codes
-/// `goes_on` is told how many they were; where it says no, nothing is sorted and the answer is `false`.
+/// Sorts by code; equal codes keep their order. `spare` is scratch of the same length. Now and then `goes_on` is told how
+/// many codes were looked at; where it says no, nothing is sorted and the answer is `false`.
 pub(crate) fn sort(
     list: &mut [Coded],
     spare: &mut [Coded],
     goes_on: &(impl Fn(usize) -> bool + Sync),
 ) -> bool {
-    #[cfg(feature = "parallel")]
-    if list.len() > SEQUENTIAL {
-        let middle = list.len() / 2;
-        let (left, right) = list.split_at_mut(middle);
-        let (left_spare, right_spare) = spare.split_at_mut(middle);
-        let sorted = rayon::join(
-            || sort(left, left_spare, goes_on),
-            || sort(right, right_spare, goes_on),
-        );
-        if sorted != (true, true) {
-            return false;
-        }
-        merge((left, right), spare);
-        list.copy_from_slice(spare);
-        return goes_on(list.len());
-    }
-    sort_by_bytes(list, spare, goes_on)
+    settle(list, spare, false, goes_on)
 }
 
-/// Merges two sorted lists, large ones in halves; of equal codes those of the first come first.
-#[cfg(feature = "parallel")]
-fn merge((mut a, mut b): (&[Coded], &[Coded]), into: &mut [Coded]) {
-    if into.len() > SEQUENTIAL / 2 {
-        // What lies before the middle of the longer list in both of them comes before the rest.
-        let (before_a, before_b) = if a.len() >= b.len() {
-            let middle = a.len() / 2;
-            let code = a[middle].code;
-            (middle, b.partition_point(|coded| coded.code < code))
-        } else {
-            let middle = b.len() / 2;
-            let code = b[middle].code;
-            (a.partition_point(|coded| coded.code <= code), middle)
-        };
-        let ((a, more_a), (b, more_b)) = (a.split_at(before_a), b.split_at(before_b));
-        let (into, rest) = into.split_at_mut(before_a + before_b);
-        rayon::join(|| merge((a, b), into), || merge((more_a, more_b), rest));
-        return;
-    }
-    for slot in into {
-        let from = match (a.first(), b.first()) {
-            (Some(x), Some(y)) if y.code < x.code => &mut b,
-            (Some(_), _) => &mut a,
-            (None, _) => &mut b,
-        };
-        if let Some((first, rest)) = from.split_first() {
-            (*slot, *from) = (*first, rest);
-        }
-    }
-}
-
-fn sort_by_bytes(
-    list: &mut [Coded],
-    spare: &mut [Coded],
-    goes_on: &impl Fn(usize) -> bool,
+/// Sorts what the first list holds; it lies in the second one then if that is asked for, else in the first.
+fn settle(
+    from: &mut [Coded],
+    to: &mut [Coded],
+    into_second: bool,
+    goes_on: &(impl Fn(usize) -> bool + Sync),
 ) -> bool {
-    let mut counts = [[0_u32; 256]; 8];
-    for coded in &*list {
-        for (byte, counts) in coded.code.to_le_bytes().into_iter().zip(&mut counts) {
-            counts[usize::from(byte)] += 1;
-        }
+    if from.len() > MANY {
+        return by_digit::<1024>(from, to, into_second, goes_on);
     }
-    let (mut from, mut to) = (list, spare);
-    let mut swapped = false;
-    for (place, counts) in counts.iter_mut().enumerate() {
-        // A byte that is the same everywhere says nothing.
-        if counts.iter().any(|&count| count as usize == from.len()) {
-            continue;
-        }
-        let mut start = 0;
-        for count in counts.iter_mut() {
-            start += core::mem::replace(count, start);
-        }
-        for coded in &*from {
-            let next = &mut counts[usize::from(coded.code.to_le_bytes()[place])];
-            to[*next as usize] = *coded;
-            *next += 1;
-        }
-        (from, to) = (to, from);
-        swapped = !swapped;
-        if !goes_on(from.len()) {
-            return false;
-        }
+    if from.len() > FEW {
+        return by_digit::<64>(from, to, into_second, goes_on);
     }
-    if swapped {
-        // What is sorted lies in the scratch.
+    let list = if into_second {
         to.copy_from_slice(from);
-    }
+        to
+    } else {
+        from
+    };
+    list.sort_by_key(|coded| coded.code);
     true
+}
+
+/// The same by buckets, `B` at most.
+fn by_digit<const B: usize>(
+    from: &mut [Coded],
+    to: &mut [Coded],
+    into_second: bool,
+    goes_on: &(impl Fn(usize) -> bool + Sync),
+) -> bool {
+    let Some(digit) = Digit::<B>::of(from) else {
+        // All are equal.
+        if into_second {
+            to.copy_from_slice(from);
+        }
+        return true;
+    };
+    let large = from.len() > CHUNK;
+    let counts = if large {
+        digit.distribute_chunks(from, to)
+    } else {
+        let counts = digit.counts(from);
+        digit.distribute(from, to, &counts);
+        counts
+    };
+    if from.len() > MANY && !goes_on(from.len()) {
+        return false;
+    }
+    let (mut of_first, mut of_second) = (from, to);
+    let counts = counts.into_iter().take(digit.buckets);
+    let mut buckets = counts.filter_map(|count| {
+        let first = of_first.split_off_mut(..count as usize)?;
+        Some((of_second.split_off_mut(..count as usize)?, first))
+    });
+    // What was brought from the first list to the second goes back.
+    let sorted = |(from, to): (&mut [Coded], &mut [Coded])| settle(from, to, !into_second, goes_on);
+    if large {
+        let sorted = pieces::each_of(buckets.collect(), sorted);
+        sorted.into_iter().all(|sorted| sorted)
+    } else {
+        buckets.all(sorted)
+    }
+}
+
+/// The highest bits in which codes differ: they choose one of `B` buckets or fewer.
+struct Digit<const B: usize> {
+    shift: u32,
+    buckets: usize,
+}
+
+impl<const B: usize> Digit<B> {
+    /// A few codes for each bucket; `None` where all are the same.
+    fn of(list: &[Coded]) -> Option<Self> {
+        let first = list.first()?.code;
+        let differing = list
+            .iter()
+            .fold(0, |bits, coded| bits | (coded.code ^ first));
+        let bits = (list.len().ilog2() - 2).min(B.ilog2());
+        Some(Self {
+            shift: (differing.checked_ilog2()? + 1).saturating_sub(bits),
+            buckets: 1 << bits,
+        })
+    }
+
+    /// Where a code goes.
+    #[inline(always)]
+    fn bucket(&self, coded: &Coded) -> usize {
+        // What lies above is the same in all codes.
+        (coded.code >> self.shift) as usize & (self.buckets - 1) & (B - 1)
+    }
+
+    /// How many codes go where.
+    fn counts(&self, list: &[Coded]) -> [u32; B] {
+        let mut counts = [0; B];
+        for coded in list {
+            counts[self.bucket(coded)] += 1;
+        }
+        counts
+    }
+
+    /// Brings codes to their buckets.
+    fn distribute(&self, from: &[Coded], to: &mut [Coded], counts: &[u32; B]) {
+        let mut places = [0; B];
+        let mut start = 0;
+        for (place, &count) in places.iter_mut().zip(counts) {
+            (*place, start) = (start, start + count);
+        }
+        for coded in from {
+            let place = &mut places[self.bucket(coded)];
+            to[*place as usize] = *coded;
+            *place += 1;
+        }
+    }
+
+    /// The same for many: chunks are brought to their places in the buckets side by side. Says how many went where.
+    fn distribute_chunks(&self, from: &[Coded], to: &mut [Coded]) -> [u32; B] {
+        let chunks: Vec<&[Coded]> = from.chunks(CHUNK).collect();
+        let counts = pieces::each_of(chunks.clone(), |chunk| self.counts(chunk));
+        // A bucket has room for what the first chunk brings, then for what the second one does.
+        let mut rooms: Vec<Vec<&mut [Coded]>> = Vec::new();
+        rooms.resize_with(chunks.len(), Vec::new);
+        let mut rest = to;
+        for bucket in 0..B {
+            for (rooms, counts) in rooms.iter_mut().zip(&counts) {
+                let room = rest.split_off_mut(..counts[bucket] as usize);
+                rooms.push(room.unwrap_or_default());
+            }
+        }
+        let work = chunks.into_iter().zip(rooms).collect();
+        pieces::each_of(work, |(chunk, mut rooms): (&[Coded], Vec<&mut [Coded]>)| {
+            let mut brought = [0; B];
+            for coded in chunk {
+                let bucket = self.bucket(coded);
+                rooms[bucket][brought[bucket]] = *coded;
+                brought[bucket] += 1;
+            }
+        });
+        let mut sum = [0; B];
+        for counts in counts {
+            for (sum, count) in sum.iter_mut().zip(counts) {
+                *sum += count;
+            }
+        }
+        sum
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use alloc::vec::Vec;
 
     #[test]
     fn codes_interleave() {

@@ -1,36 +1,37 @@
 //! Cuts where the bits of a curve through space change: the fastest builder.
 //!
-//! *How it works.* The primitives are sorted along a Morton curve. A node is a run of them; it is cut where the highest bit
-//! that differs within the run goes from 0 to 1, which is a plane in the middle of a cell of the grid. Runs of equal codes
-//! are halved. At last small subtrees become leaves where that is cheaper.
+//! *How it works.* The primitives are sorted along a Morton curve, and neighbours are brought together into groups (`groups`).
+//! A node is a run of groups; it is cut where the highest bit that differs within the run goes from 0 to 1, which is a
+//! plane in the middle of a cell of the grid (`cuts`). Runs of equal codes are halved. At last small subtrees become leaves
+//! where that is cheaper.
 //!
-//! *Cost.* O(n) to sort, O(n) unions a level.
+//! *Cost.* O(n): to sort, to group, one union a node.
 //!
 //! *Source.* Lauterbach et al. 2009, *Fast BVH Construction on GPUs*; the halving of equal codes is that of Karras 2012,
 //! *Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees*.
 
-#[cfg(feature = "parallel")]
-use super::top_down::SEQUENTIAL;
-use super::top_down::{Divide, Divided, grow, work};
-use super::{BYTES_EACH, BinaryTree, Item, items};
+mod cuts;
+mod groups;
+
+use super::curve::{CURVE_BYTES_EACH, along_curve};
+use super::top_down::{levels, work};
+use super::{BYTES_EACH, BinaryTree, Item};
 use crate::accel::bvh::refine::{Refine, collapse_leaves};
 use crate::accel::bvh::tree::MAX_LEAF;
 use crate::accel::limits::Site;
 use crate::accel::settings::Setting;
 use crate::accel::{Axes, BuildError, Limits};
-use crate::geometry::Aabb;
-use crate::geometry::morton::{self, Coded, Grid};
 use crate::primitive::Primitives;
-use alloc::vec::Vec;
-use core::marker::PhantomData;
-#[cfg(feature = "parallel")]
-use {crate::threads::Exactly, rayon::prelude::*};
+use groups::MAX_BLOCK;
 
 /// The builder along a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lbvh {
     /// Most primitives in a leaf, 1 to [`MAX_LEAF`].
     pub max_leaf: usize,
+    /// Primitives that are met at once, 1 to 8: so many neighbours along the curve may be brought together before the tree is
+    /// made.
+    pub block: usize,
     /// The axes that may be divided.
     pub axes: Axes,
     /// What is done to the tree afterwards.
@@ -41,6 +42,7 @@ impl Default for Lbvh {
     fn default() -> Self {
         Self {
             max_leaf: 8,
+            block: 1,
             axes: Axes::XYZ,
             refine: Refine::NONE,
         }
@@ -61,93 +63,17 @@ impl Lbvh {
         let Some((codes, items)) = along_curve(primitives, self.axes, &site) else {
             return site.finish(BinaryTree::default());
         };
-        let by_bits = ByBits { run: PhantomData };
-        let mut tree = grow(&by_bits, (&codes[..], &items[..]), &site);
-        drop((codes, items));
+        let block = self.block.clamp(1, MAX_BLOCK).min(self.max_leaf.max(1));
+        let groups = groups::groups(&items, block);
+        let mut tree = cuts::tree(&codes, &items, &groups, &site);
+        drop((codes, items, groups));
         if !site.is_over() {
             self.refine.apply(&mut tree, &site);
-            collapse_leaves(&mut tree, self.max_leaf);
+            if self.max_leaf > block {
+                collapse_leaves(&mut tree, self.max_leaf);
+            }
         }
         site.finish(tree)
-    }
-}
-
-/// What sorting along the curve needs for each primitive.
-pub(super) const CURVE_BYTES_EACH: usize = 2 * size_of::<Coded>() + size_of::<Item>();
-
-/// The primitives in the order of a Morton curve, and their codes; `None` when the build is over.
-pub(super) fn along_curve(
-    primitives: &(impl Primitives + Sync),
-    axes: Axes,
-    site: &Site<'_>,
-) -> Option<(Vec<Coded>, Vec<Item>)> {
-    let unsorted = items(primitives);
-    // Those that can be told apart: the others lie at the curve's beginning or end.
-    let finite = |items: &[Item]| {
-        let middles = items.iter().map(Item::centroid);
-        Aabb::of(middles.filter(|middle| middle.is_finite()))
-    };
-    #[cfg(feature = "parallel")]
-    let around = unsorted
-        .par_chunks(SEQUENTIAL)
-        .exactly()
-        .map(finite)
-        .reduce(|| Aabb::EMPTY, Aabb::union);
-    #[cfg(not(feature = "parallel"))]
-    let around = finite(&unsorted);
-    let grid = Grid::over(&around, [0, 1, 2].map(|axis| axes.has(axis)));
-    let coded = |item: &Item| Coded {
-        code: grid.code(item.centroid()),
-        id: item.id(),
-    };
-    #[cfg(feature = "parallel")]
-    let mut codes: Vec<Coded> = unsorted.par_iter().exactly().map(coded).collect();
-    #[cfg(not(feature = "parallel"))]
-    let mut codes: Vec<Coded> = unsorted.iter().map(coded).collect();
-    let mut spare = alloc::vec![Coded::default(); unsorted.len()];
-    // A pass over the codes is a small part of what a level of a build takes.
-    if !morton::sort(&mut codes, &mut spare, &|codes| site.advance(codes / 2)) {
-        return None;
-    }
-    drop(spare);
-    let item = |coded: &Coded| unsorted[coded.id as usize];
-    #[cfg(feature = "parallel")]
-    let items = codes.par_iter().map(item).collect();
-    #[cfg(not(feature = "parallel"))]
-    let items = codes.iter().map(item).collect();
-    Some((codes, items))
-}
-
-struct ByBits<'r> {
-    run: PhantomData<fn(&'r [Item])>,
-}
-
-impl<'r> Divide for ByBits<'r> {
-    type Part = (&'r [Coded], &'r [Item]);
-
-    fn len(&self, part: &Self::Part) -> usize {
-        part.1.len()
-    }
-    fn bounds(&self, part: &Self::Part) -> Aabb {
-        Item::around(part.1)
-    }
-    fn list(&self, part: &Self::Part, order: &mut Vec<u32>) {
-        order.extend(part.1.iter().map(Item::id));
-    }
-    fn divide(&self, part: Self::Part, may_choose: bool) -> Divided<Self::Part> {
-        let (codes, items) = part;
-        let [first, .., last] = codes else {
-            return Divided::Leaf(part);
-        };
-        let differing = first.code ^ last.code;
-        let at = if differing == 0 || !may_choose {
-            items.len() / 2
-        } else {
-            let bit = 1 << differing.ilog2();
-            codes.partition_point(|coded| coded.code & bit == 0)
-        };
-        let (codes, items) = (codes.split_at(at), items.split_at(at));
-        Divided::Halves([(codes.0, items.0), (codes.1, items.1)])
     }
 }
 
@@ -156,6 +82,7 @@ bvh_builder!(
     "bvh:lbvh",
     |builder| [
         Setting::count("leaf", &mut builder.max_leaf, 1..=MAX_LEAF),
+        Setting::count("block", &mut builder.block, 1..=MAX_BLOCK),
         Setting::axes(&mut builder.axes),
     ],
     +refine

@@ -60,6 +60,7 @@ macro_rules! bvh_builder {
 }
 
 mod binned_sah;
+mod curve;
 mod equal_counts;
 mod item;
 mod lbvh;

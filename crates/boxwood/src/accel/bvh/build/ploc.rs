@@ -14,7 +14,7 @@
 
 mod partners;
 
-use super::lbvh::{CURVE_BYTES_EACH, along_curve};
+use super::curve::{CURVE_BYTES_EACH, along_curve};
 use super::top_down::work;
 use super::{BYTES_EACH, BinaryNode, BinaryTree, Item};
 use crate::accel::bvh::refine::{Refine, collapse_leaves};

@@ -83,6 +83,7 @@ impl<const N: usize> WideSah<N> {
         match self.quality {
             Quality::Fast => Lbvh {
                 max_leaf,
+                block: Leaves::LANES,
                 axes,
                 refine,
             }

@@ -55,7 +55,7 @@ impl<const N: usize> Pair<N> {
 
 /// What is known of a subtree.
 struct Below<const N: usize> {
-    /// The expected cost by number of places.
+    /// The expected cost by number of places; infinite for more than it can use.
     costs: [f32; N],
     /// The most places that it can use, and as many costs as are known.
     places: usize,
@@ -227,8 +227,10 @@ impl<P: Primitives + Sync> Scales<'_, P> {
         let [own, below @ ..] = pairs else {
             let ids = self.tree.order.get(node.places()).unwrap_or(&[]);
             let surfaces = ids.iter().map(|&id| surface(self.primitives, id as usize));
+            let mut costs = [f32::INFINITY; N];
+            costs[0] = leaf_cost(area, node.count);
             return Below {
-                costs: [leaf_cost(area, node.count); N],
+                costs,
                 places: 1,
                 primitives: node.count,
                 surface: surfaces.sum(),
@@ -272,16 +274,22 @@ impl<P: Primitives + Sync> Scales<'_, P> {
         own: &mut Pair<N>,
     ) -> Below<N> {
         let mut costs = [f32::INFINITY; N];
-        let choices = &mut own.choices;
+        let mut choices = [0_u32; N];
         let places = (a.places + b.places).min(N);
-        for j in 2..=places {
-            for k in j.saturating_sub(b.places).max(1)..=a.places.min(j - 1) {
-                let cost = a.costs[k - 1] + b.costs[j - k - 1];
-                if cost < costs[j - 1] {
-                    (costs[j - 1], choices[j - 1]) = (cost, k as u8);
-                }
+        // `b`'s costs behind as many that are infinite: one step of the window to the left is one place more for `a`. All rows have
+        // the same length, and are walked in lanes.
+        let behind = [[f32::INFINITY; N], b.costs];
+        for k in 1..=a.places.min(N - 1) {
+            let of_first = a.costs[k - 1];
+            let of_second = &behind.as_flattened()[N - k..][..N];
+            for j in 0..N {
+                let cost = of_first + of_second[j];
+                let less = cost < costs[j];
+                costs[j] = if less { cost } else { costs[j] };
+                choices[j] = if less { k as u32 } else { choices[j] };
             }
         }
+        let mut choices = choices.map(|choice| choice as u8);
         let apart = area * NODE_COST + costs[places - 1];
         let together = leaf_cost(area, own.primitives);
         // Written so that boxes without area, or with an infinite one, stay together.
@@ -296,6 +304,7 @@ impl<P: Primitives + Sync> Scales<'_, P> {
                 (costs[j], choices[j]) = (costs[j - 1], 0);
             }
         }
+        own.choices = choices;
         Below {
             costs,
             places,
