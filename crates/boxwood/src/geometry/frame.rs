@@ -33,6 +33,7 @@
 //! *What it is for.* Triangles only. A shape that obeys the rule of its own padded box is held against the world's slack, which must then be
 //! that of every box on the way.
 
+use super::ray::round_down;
 use super::{Aabb, Vec3};
 
 /// The centre that boxes are seen from, and how far the scene reaches.
@@ -97,6 +98,18 @@ impl Frame {
             lower: b.lower + centre,
             upper: b.upper + centre,
         }
+    }
+
+    /// The same for any box, rounded outwards: it holds all that lies in the box.
+    #[inline(always)]
+    pub fn around_in_world(&self, b: &Aabb) -> Aabb {
+        let mut around = *b;
+        for k in 0..3 {
+            let centre = f64::from(self.centre[k]);
+            around.lower[k] = round_down(f64::from(b.lower[k]) + centre);
+            around.upper[k] = -round_down(-(f64::from(b.upper[k]) + centre));
+        }
+        around
     }
 
     #[inline(always)]
