@@ -2,8 +2,8 @@
 
 use boxwood::inspect::Event;
 use boxwood::{
-    Aabb, BinaryTree, BinnedSah, BruteForce, Bvh, Intersect, Isa, Ray, SpatialSplit, Step,
-    TraversalStats, TriangleMesh, Vec3, WideBvh, WideSah,
+    Aabb, BinaryTree, BinnedSah, BruteForce, Bvh, CompactBvh, Intersect, Isa, Ray, SpatialSplit,
+    Step, TraversalStats, TriangleMesh, Vec3, WideBvh, WideSah,
 };
 use boxwood_testkit::adversary::{Named, compare};
 use boxwood_testkit::rays::{KINDS, Targets, sample};
@@ -20,6 +20,8 @@ fn wide_trees(mesh: &TriangleMesh) -> Vec<Named<'_>> {
             let sixteen = WideBvh::<_, 16>::new(mesh, tree).with_isa(isa);
             all.push((format!("wide8, {name}, {isa}"), Box::new(eight)));
             all.push((format!("wide16, {name}, {isa}"), Box::new(sixteen)));
+            let compact = CompactBvh::of(mesh, tree).with_isa(isa);
+            all.push((format!("compact, {name}, {isa}"), Box::new(compact)));
         }
     }
     all

@@ -1,8 +1,8 @@
 //! Wide trees asked in all three ways, at every level of the machine: the bits of the judge.
 
 use boxwood::{
-    AllHits, BruteForce, Cuboid, Hit, Intersect, Isa, Precision, Query, Ray, Shapes, SpatialSplit,
-    Traverse, TriangleMesh, Vec3, WideBvh, WideSah,
+    AllHits, BruteForce, CompactBvh, CompactSah, Cuboid, Hit, Intersect, Isa, Precision, Query,
+    Ray, Shapes, SpatialSplit, Traverse, TriangleMesh, Vec3, WideBvh, WideSah,
 };
 use boxwood_testkit::{Model, Random, shapes, soups};
 use std::ops::ControlFlow::{self, Continue};
@@ -63,6 +63,19 @@ fn check_all(mesh: &TriangleMesh, rays: &[Ray], case: &str) {
         .build(mesh);
         check(&eight, &expected, rays, &format!("{case}, wide8 {isa}"));
         check(&sixteen, &expected, rays, &format!("{case}, wide16 {isa}"));
+        let compact = CompactSah {
+            isa,
+            ..Default::default()
+        }
+        .build(mesh);
+        check(&compact, &expected, rays, &format!("{case}, compact {isa}"));
+        let compact = CompactBvh::of(mesh, &cut).with_isa(isa);
+        check(
+            &compact,
+            &expected,
+            rays,
+            &format!("{case}, compact, cut {isa}"),
+        );
         let cut = WideBvh::<_, 8>::new(mesh, &cut).with_isa(isa);
         check(
             &cut,

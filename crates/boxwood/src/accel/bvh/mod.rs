@@ -3,7 +3,7 @@
 //! *How it works.* A box around everything, two boxes in it around the halves, and so on until a handful of primitives
 //! is left. A ray that misses a box misses all inside. Builders ([`BinnedSah`] and others) only decide which primitives
 //! go where; functions in [`refine`] make a finished tree better; [`Bvh`] is the readable layout with its loop, [`WideBvh`] the
-//! fast one.
+//! fast one, [`CompactBvh`] the small one.
 //!
 //! *Cost.* About 36 bytes per primitive: 64 for each pair of nodes, 4 for each place. Spatial splits take up to their budget times that.
 //!

@@ -14,7 +14,7 @@ use super::layout::Layout;
 use super::node::{Child, Heading, Node, WideRay};
 use crate::geometry::triangle::block::{BlockRay, Stop};
 use crate::geometry::{PreparedRay, Ray};
-use crate::primitive::Primitives;
+use crate::primitive::{Foresight, Primitives};
 use crate::query::Query;
 use crate::simd::{F, Floats, Kernel, Lanes, Row, Simd, Stack, U, Words, address, prefetch};
 use core::array;
@@ -105,6 +105,15 @@ impl<P: Primitives, Q: Query, const N: usize, L: Layout> Kernel<N> for Batch<'_,
                 }
             }
             let standing = mem::take(&mut at_leaf.len);
+            if P::TRIANGLES && !L::CORNERS {
+                // What leaves name is asked for on behalf of all rays before the first one looks at it.
+                for i in 0..standing {
+                    bvh.foresee(slots[at_leaf.slot(i)].current, Foresight::Far);
+                }
+                for i in 0..standing {
+                    bvh.foresee(slots[at_leaf.slot(i)].current, Foresight::Near);
+                }
+            }
             for i in 0..standing {
                 let place = at_leaf.slot(i);
                 let (slot, stack) = (&mut slots[place], &mut stacks[place]);
@@ -241,6 +250,13 @@ pub const LEVELS: usize = 24;
 const ROOM: usize = Stack::<0>::room(LEVELS, 16);
 
 impl<P: Primitives, const N: usize, L: Layout> WideBvh<P, N, L> {
+    /// Begins to load what a leaf names.
+    #[inline(always)]
+    fn foresee(&self, leaf: Child, step: Foresight) {
+        let block = leaf.blocks().start;
+        self.leaves.foresee(block, &self.primitives, step);
+    }
+
     /// Begins to load what a ray that stands there will need. Without a branch: where a ray stands cannot be predicted.
     #[inline(always)]
     fn fetch(&self, child: Child) {

@@ -196,6 +196,16 @@ impl Leaves {
         }
     }
 
+    /// Begins to load what will be read of the primitives that a block names, if there is such a block.
+    #[inline(always)]
+    pub fn foresee<P: Primitives>(&self, block: usize, primitives: &P, step: Foresight) {
+        if let Some(ids) = self.ids.get(block) {
+            for &id in ids {
+                primitives.foresee(id as usize, step);
+            }
+        }
+    }
+
     /// Where a block lies.
     #[inline(always)]
     pub fn address<L: Layout>(&self, block: usize) -> *const u8 {

@@ -196,3 +196,117 @@ impl<const N: usize> Boxes<N> for Quantised<N> {
         middles
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::bvh::wide::node::Node;
+    use crate::simd::{Kernel, Level, Simd, Vectorize};
+    use alloc::vec::Vec;
+
+    /// The planes of all axes as lanes see them, and how far rays go.
+    struct Seen<'a>(&'a Quantised<8>);
+
+    impl Kernel<8> for Seen<'_> {
+        type Output = [[f32; 8]; 7];
+        #[inline(always)]
+        fn run<S: Simd + Lanes<8>>(self, s: S) -> Self::Output {
+            let mut seen = [[0.0; 8]; 7];
+            for axis in 0..3 {
+                let [lower, upper] = self.0.planes(s, axis, Row::new(2 * axis));
+                (seen[2 * axis], seen[2 * axis + 1]) = (lower.to_array(), upper.to_array());
+            }
+            let t_max = F::<S, 8>::splat(s, 9.0);
+            seen[6] = self.0.ends(s, t_max).to_array();
+            seen
+        }
+    }
+
+    /// Boxes around a place, of sizes up to a size.
+    fn boxes(count: usize, at: f32, size: f32, next: &mut impl FnMut() -> f32) -> Vec<Aabb> {
+        let side = |next: &mut dyn FnMut() -> f32| at + size * next();
+        (0..count)
+            .map(|_| {
+                let mut ends = [(); 6].map(|()| side(next));
+                for axis in 0..3 {
+                    if ends[axis] > ends[axis + 3] {
+                        ends.swap(axis, axis + 3);
+                    }
+                }
+                let [a, b, c, d, e, f] = ends;
+                Aabb::new([a, b, c], [d, e, f])
+            })
+            .collect()
+    }
+
+    #[test]
+    fn boxes_on_the_grid_hold_their_boxes_at_every_level() {
+        let mut state = 1_u32;
+        let mut next = || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
+        };
+        for at in [0.0, 1.0, -3.0e6, 0.1, 1.0e-30, 7.0e27, -1.0e-44] {
+            for size in [1.0, 0.0, 1.0e-7, 1.0e3, 1.0e-42, 1.0e28, 1.7e-20] {
+                for count in 0..=8 {
+                    let boxes = boxes(count, at, size, &mut next);
+                    let grid = Quantised::<8>::new(&boxes);
+                    let all = boxes.iter().fold(Aabb::EMPTY, |a, &b| a.union(b));
+                    for (lane, b) in boxes.iter().enumerate() {
+                        let around = grid.bounds(lane);
+                        assert!(around.contains(b), "{around:?} of {b:?}");
+                        // No more than a step larger, and a step is no more than a 63rd of all, or the distance of floats.
+                        for axis in 0..3 {
+                            let whole = f64::from(all.upper[axis]) - f64::from(all.lower[axis]);
+                            let far = all.upper[axis].abs().max(all.lower[axis].abs());
+                            let apart = f64::from(far.next_up()) - f64::from(far);
+                            let step = (whole / 63.0).max(apart).max(f64::from(f32::MIN_POSITIVE));
+                            let below = f64::from(b.lower[axis]) - f64::from(around.lower[axis]);
+                            let above = f64::from(around.upper[axis]) - f64::from(b.upper[axis]);
+                            assert!(below.max(above) <= step, "{around:?} of {b:?}");
+                        }
+                    }
+                    for level in Level::available() {
+                        let seen = level.vectorize(Seen(&grid));
+                        for lane in 0..8 {
+                            let end = if lane < count { 9.0 } else { -1.0 };
+                            assert_eq!(seen[6][lane], end, "{}", level.name());
+                        }
+                        for (lane, _) in boxes.iter().enumerate() {
+                            let Aabb { lower, upper } = grid.bounds(lane);
+                            for axis in 0..3 {
+                                assert_eq!(seen[2 * axis][lane], lower[axis], "{}", level.name());
+                                assert_eq!(seen[2 * axis + 1][lane], upper[axis]);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_unbounded_or_empty() {
+        let far = Aabb::new([-1.0, f32::MIN, 2.0], [1.0, f32::MAX, f32::INFINITY]);
+        let nan = Aabb::new([f32::NAN; 3], [1.0; 3]);
+        let near = Aabb::new([-4.0, 0.0, 0.0], [0.5, 1.0, 1.0]);
+        let grid = Quantised::<8>::new(&[far, Aabb::EMPTY, near, nan]);
+        let (infinity, none) = (f32::INFINITY, f32::NEG_INFINITY);
+        assert_eq!(
+            grid.bounds(0),
+            Aabb::new([-1.0, none, none], [1.0, infinity, infinity])
+        );
+        assert_eq!(
+            grid.bounds(2),
+            Aabb::new([-4.0, none, none], [0.5, infinity, infinity])
+        );
+        assert!(grid.bounds(1).is_empty() && grid.bounds(3).is_empty());
+        let nothing = Quantised::<8>::new(&[Aabb::EMPTY]);
+        assert!(nothing.bounds(0).is_empty());
+    }
+
+    #[test]
+    fn two_lines_of_the_cache() {
+        assert_eq!(size_of::<Node<8, Quantised<8>>>(), 128);
+    }
+}
