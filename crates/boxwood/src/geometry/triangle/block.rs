@@ -57,8 +57,14 @@ impl TriangleBlock {
         primitives: &P,
     ) -> Self {
         let triangles = all_corners(primitives, &ids);
-        let [p, q, r, t] = ids.map(f32::from_bits);
-        let numbers = F::<S, LANES>::load(s, &[p, q, r, t]);
+        let [p, q, r, t] = ids;
+        let numbers = [
+            f32::from_bits(p),
+            f32::from_bits(q),
+            f32::from_bits(r),
+            f32::from_bits(t),
+        ];
+        let numbers = F::<S, LANES>::load(s, &numbers);
         let nan = F::<S, LANES>::splat(s, f32::NAN);
         // No number of a triangle has the bits of a NaN, but `u32::MAX` has. Any coordinate that is none leaves no edge and no `t`.
         let first = row(s, &triangles, 0, 0).choose(numbers.le(numbers), nan);

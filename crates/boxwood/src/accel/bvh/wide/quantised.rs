@@ -46,10 +46,11 @@ const SPAN: f64 = 255.0;
 struct Ends<const N: usize>;
 
 impl<const N: usize> Ends<N> {
-    const TABLE: [[f32; N]; 17] = {
-        let mut table = [[-1.0; N]; 17];
+    /// More rows than children, so that a mask finds one.
+    const TABLE: &'static [[f32; N]; 32] = &{
+        let mut table = [[-1.0; N]; 32];
         let mut children = 0;
-        while children <= 16 {
+        while children < 32 {
             let mut lane = 0;
             while lane < N && lane < children {
                 table[children][lane] = f32::INFINITY;
@@ -59,8 +60,6 @@ impl<const N: usize> Ends<N> {
         }
         table
     };
-    /// One place for all nodes.
-    const PLACE: &'static [[f32; N]; 17] = &Self::TABLE;
 }
 
 impl<const N: usize> Quantised<N> {
@@ -181,8 +180,8 @@ impl<const N: usize> Boxes<N> for Quantised<N> {
     #[inline(always)]
     fn ends<S: Lanes<N>>(&self, s: S, t_max: F<S, N>) -> F<S, N> {
         // On a fine grid, planes at the wrong ends may still lie within the slack.
-        let children = (self.steps >> 24) as usize % 17;
-        F::<S, N>::load(s, &Ends::<N>::PLACE[children]).min(t_max)
+        let children = (self.steps >> 24) as usize & 31;
+        F::<S, N>::load(s, &Ends::<N>::TABLE[children]).min(t_max)
     }
 
     fn middles(&self) -> [[f32; N]; 3] {
