@@ -180,6 +180,24 @@ fn cells_are_shown_where_they_are_in_the_world() {
 }
 
 #[test]
+fn cells_of_compact_trees_hold_those_of_wide_ones() {
+    let cells = |structure: &dyn Intersect| {
+        let mut cells = Vec::new();
+        structure.cells(&mut |cell| cells.push((cell.node, cell.bounds, cell.primitives)));
+        cells
+    };
+    for (mesh, tree) in here_and_there() {
+        let wide = cells(&WideBvh::<_, 8>::new(&mesh, &tree));
+        let compact = cells(&CompactBvh::of(&mesh, &tree));
+        assert!(wide.len() == compact.len() && wide.len() > 50);
+        for (exact, rounded) in wide.iter().zip(&compact) {
+            assert_eq!((exact.0, exact.2), (rounded.0, rounded.2));
+            assert!(rounded.1.contains(&exact.1), "{rounded:?} of {exact:?}");
+        }
+    }
+}
+
+#[test]
 fn explanations_tell_of_the_world_and_of_the_same_steps() {
     let [here, there] = here_and_there().map(|(mesh, tree)| WideBvh::<_, 8>::new(mesh, &tree));
     // What a ray is held against, and the leaves that it comes to.

@@ -122,6 +122,38 @@ fn rays_that_run_together_agree() {
 }
 
 #[test]
+fn nodes_smaller_than_the_slack_agree() {
+    let mut random = Random::new(11);
+    // A few hundred triangles where one float is hardly another, in a scene of ordinary size.
+    let cluster = soups::random(300, &mut random).placed(1.0e-6, 0.7e6);
+    let mesh = cluster.with(&shapes::cube(2)).mesh();
+    for eye in [[0.0, 0.0, 3.0], [0.7, 0.7, -2.0], [0.1, 0.7, 0.7]] {
+        let mut rays = camera(Vec3::from(eye), Vec3::from([0.7; 3]), 2);
+        for ray in &mut rays {
+            // At the cluster, not at all around it.
+            let towards = Vec3::from([0.7; 3]) - ray.origin;
+            ray.direction = towards + (ray.direction - towards) * 1.0e-6;
+        }
+        check_all(&mesh, &rays, "cluster");
+    }
+}
+
+#[test]
+fn a_compact_tree_is_small() {
+    let mesh = shapes::sphere(60, 60).mesh();
+    let wide = Traverse::statistics(&WideSah::<8>::default().build(&mesh));
+    let compact = Traverse::statistics(&CompactSah::default().build(&mesh));
+    // The same tree, but for the sizes of boxes.
+    assert_eq!(
+        (compact.nodes, compact.leaves, compact.references),
+        (wide.nodes, wide.leaves, wide.references)
+    );
+    assert!(compact.bytes < 15 * mesh.triangles().len());
+    assert!(4 * compact.bytes < wide.bytes);
+    assert!(compact.sah_cost < 1.1 * wide.sah_cost);
+}
+
+#[test]
 fn a_stranger_among_rays_that_run_together_agrees() {
     let mesh = shapes::sphere(30, 20).mesh();
     let rays = camera(Vec3::new(0.3, 0.4, 3.0), Vec3::ZERO, 3);
