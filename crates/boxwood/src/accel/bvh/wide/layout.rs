@@ -7,10 +7,17 @@ use crate::primitive::Primitives;
 use crate::simd::Rows;
 use core::fmt::Debug;
 
+mod sealed {
+    /// The loops know the layouts of this room.
+    pub trait Sealed {}
+    impl Sealed for super::Full {}
+    impl Sealed for super::Compact {}
+}
+
 /// How the nodes and leaves of a [`WideBvh`] lie in memory.
 ///
 /// There are two of them, and no more can be made.
-pub trait Layout: Copy + Debug + Send + Sync + 'static {
+pub trait Layout: sealed::Sealed + Copy + Debug + Send + Sync + 'static {
     /// How the boxes lie in nodes.
     #[doc(hidden)]
     type Boxes<const N: usize>: Boxes<N>;
@@ -25,6 +32,7 @@ pub trait Layout: Copy + Debug + Send + Sync + 'static {
 }
 
 /// Boxes of floats, and leaves that hold the corners of their triangles, lane by lane: about 60 bytes for each triangle of a mesh.
+/// The default.
 #[derive(Clone, Copy, Debug)]
 pub struct Full;
 
@@ -33,7 +41,7 @@ impl Layout for Full {
     const CORNERS: bool = true;
 }
 
-/// Boxes of bytes on a grid that each node has for itself, and leaves that hold nothing but the numbers of their primitives: about 12
+/// Boxes of bytes on a grid that each node has for itself, and leaves that hold nothing but the numbers of their primitives: about 11
 /// bytes for each triangle of a mesh. Corners are fetched from the mesh when a ray comes to a leaf.
 #[derive(Clone, Copy, Debug)]
 pub struct Compact;

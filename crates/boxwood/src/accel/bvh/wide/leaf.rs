@@ -1,4 +1,4 @@
-//! What lies in the leaves: triangles lane by lane, or the numbers of anything else.
+//! What lies in the leaves: triangles lane by lane, or the numbers of anything else, and of triangles where memory counts.
 
 use super::layout::Layout;
 use crate::geometry::Aabb;

@@ -11,7 +11,8 @@
 //! Boxes of triangles are stored as seen from the middle of a scene that stands far from the world's origin (`geometry/frame.rs`); triangles
 //! stay in the world, where all structures meet them.
 //!
-//! *Cost.* About 15 bytes of nodes and 45 of leaves for each triangle of a mesh; 16 and 6 for each of other primitives.
+//! *Cost.* About 15 bytes of nodes and 45 of leaves for each triangle of a mesh; 16 and 6 for each of other primitives. Compact, 6 and 5 for each of
+//! either.
 //!
 //! *Source.* Dammertz, Hanika & Keller 2008; Wald, Benthin & Boulos 2008; Ernst & Greiner 2008; Ylitie, Karras & Laine 2017
 //! (octant order, collapse).
@@ -71,6 +72,8 @@ use node::{Child, Node};
 use packet::Outcome;
 
 /// A hierarchy of nodes with `N` children (8 or 16) over owned, borrowed or shared primitives.
+///
+/// How it lies in memory is its [`Layout`]: [`Full`], the fast way, unless the type says [`Compact`]; see [`CompactBvh`].
 ///
 /// It runs on the best instruction set of the machine, or the one named by the environment variable `BOXWOOD_ISA`; nodes
 /// and answers do not depend on it, but for those of [`Precision::Fast`].
