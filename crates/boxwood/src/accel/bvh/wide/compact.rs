@@ -12,7 +12,7 @@ use crate::simd::Isa;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-/// A [`CompactBvh`]: the nodes of [`WideSah<8>`] with quantised boxes, and leaves that hold numbers.
+/// A [`CompactBvh`]: the tree of a [`WideSah`] of 8 children with quantised boxes, and leaves that hold numbers.
 ///
 /// ```
 /// use boxwood::{CompactBvh, CompactSah, Intersect, Ray, TriangleMesh};
