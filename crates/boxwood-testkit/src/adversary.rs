@@ -14,8 +14,8 @@ use crate::rays::{KINDS, Targets, sample};
 use crate::scenes::SCENES;
 use crate::{Model, Random};
 use boxwood::{
-    BinaryTree, BinnedSah, BruteForce, Hit, Intersect, Isa, Ray, SpatialSplit, TriangleMesh, Vec3,
-    WideBvh,
+    BinaryTree, BinnedSah, BruteForce, CompactBvh, Hit, Intersect, Isa, Ray, SpatialSplit,
+    TriangleMesh, Vec3, WideBvh,
 };
 
 /// Seed and number mean the same round as long as this is the same.
@@ -105,12 +105,14 @@ fn tree(number: u64, mesh: &TriangleMesh) -> BinaryTree {
 }
 
 fn wide_trees<'a>(mesh: &'a TriangleMesh, tree: &BinaryTree) -> Vec<Named<'a>> {
-    let each = |isa: Isa| -> [Named<'a>; 2] {
+    let each = |isa: Isa| -> [Named<'a>; 3] {
         let eight = WideBvh::<_, 8>::new(mesh, tree).with_isa(isa);
         let sixteen = WideBvh::<_, 16>::new(mesh, tree).with_isa(isa);
+        let compact = CompactBvh::of(mesh, tree).with_isa(isa);
         [
             (format!("wide8 {isa}"), Box::new(eight)),
             (format!("wide16 {isa}"), Box::new(sixteen)),
+            (format!("compact {isa}"), Box::new(compact)),
         ]
     };
     Isa::available().into_iter().flat_map(each).collect()

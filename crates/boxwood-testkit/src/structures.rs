@@ -74,6 +74,15 @@ const TABLE: &[&str] = &[
     "wide8:quality=high",
     "wide8:quality=ultra",
     "wide16:quality=ultra",
+    "compact",
+    "compact:isa=avx2",
+    "compact:isa=neon",
+    "compact:isa=simd128",
+    "compact:isa=portable",
+    "compact:bins=2,axes=xy,reinsert=1",
+    "compact:gathering=greedy",
+    "compact:quality=fast",
+    "compact:quality=ultra",
 ];
 
 /// Those that are also built by 1 and by 3 threads, whatever pool the test runs in.
@@ -89,6 +98,7 @@ const THREADED: &[&str] = &[
     "wide16",
     "wide8:quality=fast",
     "wide8:quality=ultra",
+    "compact",
 ];
 
 /// A structure of the table.

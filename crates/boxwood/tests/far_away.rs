@@ -2,8 +2,8 @@
 
 use boxwood::inspect::Event;
 use boxwood::{
-    Aabb, BinaryTree, BinnedSah, BruteForce, Bvh, Intersect, Isa, Ray, SpatialSplit, Step,
-    TraversalStats, TriangleMesh, Vec3, WideBvh, WideSah,
+    Aabb, BinaryTree, BinnedSah, BruteForce, Bvh, CompactBvh, Intersect, Isa, Ray, SpatialSplit,
+    Step, TraversalStats, TriangleMesh, Vec3, WideBvh, WideSah,
 };
 use boxwood_testkit::adversary::{Named, compare};
 use boxwood_testkit::rays::{KINDS, Targets, sample};
@@ -20,6 +20,8 @@ fn wide_trees(mesh: &TriangleMesh) -> Vec<Named<'_>> {
             let sixteen = WideBvh::<_, 16>::new(mesh, tree).with_isa(isa);
             all.push((format!("wide8, {name}, {isa}"), Box::new(eight)));
             all.push((format!("wide16, {name}, {isa}"), Box::new(sixteen)));
+            let compact = CompactBvh::of(mesh, tree).with_isa(isa);
+            all.push((format!("compact, {name}, {isa}"), Box::new(compact)));
         }
     }
     all
@@ -175,6 +177,24 @@ fn cells_are_shown_where_they_are_in_the_world() {
     assert!(here.len() > 50);
     let expected: Vec<_> = here.into_iter().map(|(n, b)| (n, beside(b))).collect();
     assert_eq!(there, expected);
+}
+
+#[test]
+fn cells_of_compact_trees_hold_those_of_wide_ones() {
+    let cells = |structure: &dyn Intersect| {
+        let mut cells = Vec::new();
+        structure.cells(&mut |cell| cells.push((cell.node, cell.bounds, cell.primitives)));
+        cells
+    };
+    for (mesh, tree) in here_and_there() {
+        let wide = cells(&WideBvh::<_, 8>::new(&mesh, &tree));
+        let compact = cells(&CompactBvh::of(&mesh, &tree));
+        assert!(wide.len() == compact.len() && wide.len() > 50);
+        for (exact, rounded) in wide.iter().zip(&compact) {
+            assert_eq!((exact.0, exact.2), (rounded.0, rounded.2));
+            assert!(rounded.1.contains(&exact.1), "{rounded:?} of {exact:?}");
+        }
+    }
 }
 
 #[test]

@@ -4,8 +4,8 @@ use boxwood::proximity::{
     Ball, ClosestPoint, ConvexRegion, FastWinding, HalfSpace, Hierarchy, Proximity, Region, Winding,
 };
 use boxwood::{
-    Aabb, BinnedSah, BruteForce, Bvh, KdSah, KdTree, SpatialSplit, TriangleMesh, Vec3, WideBvh,
-    WideSah,
+    Aabb, BinnedSah, BruteForce, Bvh, CompactBvh, CompactSah, KdSah, KdTree, SpatialSplit,
+    TriangleMesh, Vec3, WideBvh, WideSah,
 };
 use boxwood_testkit::scenes::SCENES;
 use boxwood_testkit::{Random, effort, shapes, soups};
@@ -184,6 +184,8 @@ fn check(mesh: &TriangleMesh, questions: &Questions, case: &str) -> Answers {
         "wide8, cut",
         questions.ask(&WideBvh::<_, 8>::new(mesh, &cut)),
     );
+    same("compact", questions.ask(&CompactSah::default().build(mesh)));
+    same("compact, cut", questions.ask(&CompactBvh::of(mesh, &cut)));
     same("bvh", questions.ask(&Bvh::new(mesh, binned)));
     same("bvh, leaf=1", questions.ask(&Bvh::new(mesh, small)));
     same("bvh, cut", questions.ask(&Bvh::new(mesh, cut)));

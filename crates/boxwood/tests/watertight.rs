@@ -1,6 +1,8 @@
 //! No ray leaves a closed mesh through an edge or a vertex.
 
-use boxwood::{BinnedSah, BruteForce, Bvh, Intersect, MollerTrumbore, Ray, Vec3, WideBvh};
+use boxwood::{
+    BinnedSah, BruteForce, Bvh, CompactBvh, Intersect, MollerTrumbore, Ray, Vec3, WideBvh,
+};
 use boxwood_testkit::{Model, Random, effort, shapes};
 
 /// A closed shape around the origin and a point well inside: a torus holds its own ring, not the origin.
@@ -77,6 +79,9 @@ fn none_escapes_a_hierarchy() {
         let wide = WideBvh::<_, 8>::new(&mesh, &tree);
         let found = leak(case, effort(1_000), &wide);
         assert_eq!(found, None, "wide8 leaks, {}", case.name);
+        let compact = CompactBvh::of(&mesh, &tree);
+        let found = leak(case, effort(1_000), &compact);
+        assert_eq!(found, None, "compact leaks, {}", case.name);
         let bvh = Bvh::new(&mesh, tree);
         let found = leak(case, effort(1_000), &bvh);
         assert_eq!(found, None, "bvh:binned leaks, {}", case.name);

@@ -1,8 +1,8 @@
 //! Wide trees asked in all three ways, at every level of the machine: the bits of the judge.
 
 use boxwood::{
-    AllHits, BruteForce, Cuboid, Hit, Intersect, Isa, Precision, Query, Ray, Shapes, SpatialSplit,
-    Traverse, TriangleMesh, Vec3, WideBvh, WideSah,
+    AllHits, BruteForce, CompactBvh, CompactSah, Cuboid, Hit, Intersect, Isa, Precision, Query,
+    Ray, Shapes, SpatialSplit, Traverse, TriangleMesh, Vec3, WideBvh, WideSah,
 };
 use boxwood_testkit::{Model, Random, shapes, soups};
 use std::ops::ControlFlow::{self, Continue};
@@ -63,6 +63,19 @@ fn check_all(mesh: &TriangleMesh, rays: &[Ray], case: &str) {
         .build(mesh);
         check(&eight, &expected, rays, &format!("{case}, wide8 {isa}"));
         check(&sixteen, &expected, rays, &format!("{case}, wide16 {isa}"));
+        let compact = CompactSah {
+            isa,
+            ..Default::default()
+        }
+        .build(mesh);
+        check(&compact, &expected, rays, &format!("{case}, compact {isa}"));
+        let compact = CompactBvh::of(mesh, &cut).with_isa(isa);
+        check(
+            &compact,
+            &expected,
+            rays,
+            &format!("{case}, compact, cut {isa}"),
+        );
         let cut = WideBvh::<_, 8>::new(mesh, &cut).with_isa(isa);
         check(
             &cut,
@@ -106,6 +119,38 @@ fn rays_that_run_together_agree() {
             check_all(&mesh, &rays, name);
         }
     }
+}
+
+#[test]
+fn nodes_smaller_than_the_slack_agree() {
+    let mut random = Random::new(11);
+    // A few hundred triangles where one float is hardly another, in a scene of ordinary size.
+    let cluster = soups::random(300, &mut random).placed(1.0e-6, 0.7e6);
+    let mesh = cluster.with(&shapes::cube(2)).mesh();
+    for eye in [[0.0, 0.0, 3.0], [0.7, 0.7, -2.0], [0.1, 0.7, 0.7]] {
+        let mut rays = camera(Vec3::from(eye), Vec3::from([0.7; 3]), 2);
+        for ray in &mut rays {
+            // At the cluster, not at all around it.
+            let towards = Vec3::from([0.7; 3]) - ray.origin;
+            ray.direction = towards + (ray.direction - towards) * 1.0e-6;
+        }
+        check_all(&mesh, &rays, "cluster");
+    }
+}
+
+#[test]
+fn a_compact_tree_is_small() {
+    let mesh = shapes::sphere(60, 60).mesh();
+    let wide = Traverse::statistics(&WideSah::<8>::default().build(&mesh));
+    let compact = Traverse::statistics(&CompactSah::default().build(&mesh));
+    // The same tree, but for the sizes of boxes.
+    assert_eq!(
+        (compact.nodes, compact.leaves, compact.references),
+        (wide.nodes, wide.leaves, wide.references)
+    );
+    assert!(compact.bytes < 15 * mesh.triangles().len());
+    assert!(4 * compact.bytes < wide.bytes);
+    assert!(compact.sah_cost < 1.1 * wide.sah_cost);
 }
 
 #[test]

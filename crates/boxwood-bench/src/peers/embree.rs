@@ -27,6 +27,8 @@ const PACKAGE: &str = "embreex==4.4.0.post1";
 pub struct Variant {
     quality: Quality,
     robust: bool,
+    /// Leaves of indices instead of corners.
+    compact: bool,
     avx2: bool,
 }
 
@@ -42,6 +44,7 @@ impl Variant {
     pub const FAST: Self = Self {
         quality: Quality::Medium,
         robust: false,
+        compact: false,
         avx2: false,
     };
 }
@@ -56,6 +59,7 @@ impl fmt::Display for Variant {
         let parts = [
             quality,
             self.robust.then_some("robust"),
+            self.compact.then_some("compact"),
             self.avx2.then_some("avx2"),
         ];
         let parts: Vec<&str> = parts.into_iter().flatten().collect();
@@ -80,10 +84,11 @@ impl FromStr for Variant {
                 "high" => variant.quality = Quality::High,
                 "fast" => variant.robust = false,
                 "robust" => variant.robust = true,
+                "compact" => variant.compact = true,
                 "avx2" | "isa=avx2" => variant.avx2 = true,
                 _ => {
                     return Err(format!(
-                        "`embree` has no setting `{setting}`; it has low, medium, high, robust and avx2"
+                        "`embree` has no setting `{setting}`; it has low, medium, high, robust, compact and avx2"
                     ));
                 }
             }
@@ -141,7 +146,10 @@ pub fn build(
     let isa = if variant.avx2 { ",isa=avx2" } else { "" };
     let config = format!("threads={threads}{isa}");
     let quality = variant.quality as u32;
-    let scene = ffi::Scene::new(embree, &config, variant.robust, quality, mesh)?;
+    let robust = if variant.robust { ffi::ROBUST } else { 0 };
+    let compact = if variant.compact { ffi::COMPACT } else { 0 };
+    let flags = robust | compact;
+    let scene = ffi::Scene::new(embree, &config, flags, quality, mesh)?;
     let start = Instant::now();
     let scene = scene.commit()?;
     Ok(Finished {

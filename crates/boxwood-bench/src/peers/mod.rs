@@ -132,7 +132,8 @@ pub enum Contestant {
 }
 
 /// How peers are written.
-pub const PEERS: &str = "embree[:low|high,robust,avx2], obvhs, obvhs:slow, bvh, parry3d, tinybvh";
+pub const PEERS: &str =
+    "embree[:low|high,robust,compact,avx2], obvhs, obvhs:slow, bvh, parry3d, tinybvh";
 
 impl Contestant {
     /// Those of who names none.
@@ -225,6 +226,7 @@ mod tests {
             "embree:robust",
             "embree:low",
             "embree:high,robust,avx2",
+            "embree:robust,compact",
             "obvhs",
             "obvhs:slow",
             "bvh",

@@ -4,7 +4,7 @@ use super::boxes::ObjectBoxes;
 use super::brute_force::Exhaustive;
 use super::bsp_tree::BspSah;
 use super::bvh::{
-    BinnedSah, EqualCounts, Lbvh, Median, Middle, Ploc, SpatialSplit, SweepSah, WideSah,
+    BinnedSah, CompactSah, EqualCounts, Lbvh, Median, Middle, Ploc, SpatialSplit, SweepSah, WideSah,
 };
 use super::grid::GridBuilder;
 use super::kd_tree::{KdLecture, KdSah};
@@ -135,6 +135,8 @@ kinds! {
     Wide8(WideSah<8>),
     /// [`WideBvh`](super::bvh::WideBvh) with nodes of 16 children.
     Wide16(WideSah<16>),
+    /// [`CompactBvh`](super::bvh::CompactBvh).
+    Compact(CompactSah),
 }
 
 /// What a name without a method means.

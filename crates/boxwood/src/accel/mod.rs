@@ -7,6 +7,7 @@
 //! | [`UniformGrid`](grid::UniformGrid) | O(n) | primitives of one size, evenly spread; building often |
 //! | [`TwoLevelGrid`](two_level_grid::TwoLevelGrid) | O(n) | the same, with details of several sizes |
 //! | [`WideBvh`](bvh::WideBvh) over [`WideSah`](bvh::WideSah) | O(n log n) | speed: 8 or 16 boxes at once, many rays at a time |
+//! | [`CompactBvh`](bvh::CompactBvh) over [`CompactSah`](bvh::CompactSah) | O(n log n) | memory: a sixth of the bytes, somewhat slower |
 //! | [`Bvh`](bvh::Bvh) over [`BinnedSah`](bvh::BinnedSah) | O(n log n) | everything: the default, and the one to read |
 //! | [`Bvh`](bvh::Bvh) over [`SpatialSplit`](bvh::SpatialSplit) | O(n log² n) | buildings: large triangles beside small ones |
 //! | [`Bvh`](bvh::Bvh) over [`SweepSah`](bvh::SweepSah) | O(n log n) | the best tree that cuts no primitive |

@@ -33,6 +33,7 @@
 //! *What it is for.* Triangles only. A shape that obeys the rule of its own padded box is held against the world's slack, which must then be
 //! that of every box on the way.
 
+use super::ray::round_down;
 use super::{Aabb, Vec3};
 
 /// The centre that boxes are seen from, and how far the scene reaches.
@@ -97,6 +98,18 @@ impl Frame {
             lower: b.lower + centre,
             upper: b.upper + centre,
         }
+    }
+
+    /// The same for any box, rounded outwards: it holds all that lies in the box.
+    #[inline(always)]
+    pub fn around_in_world(&self, b: &Aabb) -> Aabb {
+        let mut around = *b;
+        for k in 0..3 {
+            let centre = f64::from(self.centre[k]);
+            around.lower[k] = round_down(f64::from(b.lower[k]) + centre);
+            around.upper[k] = -round_down(-(f64::from(b.upper[k]) + centre));
+        }
+        around
     }
 
     #[inline(always)]
@@ -178,6 +191,20 @@ mod tests {
                 let part = Aabb::new([a.min(b), -b.max(a), lower], [a.max(b), -a.min(b), upper]);
                 let seen = frame.seen(&part);
                 assert_eq!(frame.in_world(&seen), part);
+                assert_eq!(frame.around_in_world(&seen), part);
+                // A little more on each side, which need not be a float in the world.
+                let mut larger = seen;
+                for k in 0..3 {
+                    larger.lower[k] = seen.lower[k].next_down();
+                    larger.upper[k] = seen.upper[k].next_up();
+                }
+                assert!(frame.around_in_world(&larger).contains(&part));
+                for k in 0..3 {
+                    let around = frame.around_in_world(&larger);
+                    let exact = |x: f32| f64::from(x) + f64::from(frame.centre[k]);
+                    assert!(f64::from(around.lower[k]) <= exact(larger.lower[k]));
+                    assert!(f64::from(around.upper[k]) >= exact(larger.upper[k]));
+                }
                 for k in 0..3 {
                     let exact = f64::from(part.lower[k]) - f64::from(frame.centre[k]);
                     assert_eq!(f64::from(seen.lower[k]), exact);

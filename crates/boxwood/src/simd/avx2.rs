@@ -157,6 +157,13 @@ impl Floats<4> for F4 {
         op!(Self(_mm_loadu_ps(from.as_ptr())))
     }
     #[inline(always)]
+    fn from_bytes(_: Avx2, from: &[u8; 4]) -> Self {
+        let bytes = i32::from_le_bytes(*from);
+        op!(Self(_mm_cvtepi32_ps(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(
+            bytes
+        )))))
+    }
+    #[inline(always)]
     fn to_array(self) -> [f32; 4] {
         let mut out = [0.0; 4];
         op!(_mm_storeu_ps(out.as_mut_ptr(), self.0));
@@ -257,6 +264,13 @@ impl Floats<8> for F8 {
     #[inline(always)]
     fn load(_: Avx2, from: &[f32; 8]) -> Self {
         op!(Self(_mm256_loadu_ps(from.as_ptr())))
+    }
+    #[inline(always)]
+    fn from_bytes(_: Avx2, from: &[u8; 8]) -> Self {
+        let bytes = i64::from_le_bytes(*from);
+        op!(Self(_mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(
+            _mm_cvtsi64_si128(bytes)
+        ))))
     }
     #[inline(always)]
     fn to_array(self) -> [f32; 8] {

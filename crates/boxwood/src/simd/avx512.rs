@@ -55,7 +55,7 @@ macro_rules! level {
      $add:ident $sub:ident $mul:ident $div:ident $min:ident $max:ident $cmp:ident
      $and:ident $andnot:ident $or:ident;
      $fmadd:ident $fmsub:ident $blend:ident $set1:ident $load:ident $store:ident $permute:ident $compress:ident;
-     $load_u:ident $store_u:ident $permute_u:ident $compress_u:ident; |$packed:ident| $nibbles:expr) => {
+     $load_u:ident $store_u:ident $permute_u:ident $compress_u:ident; |$packed:ident| $nibbles:expr; |$bytes:ident| $widened:expr) => {
         /// Floats of this width.
         #[derive(Clone, Copy)]
         pub struct $f($ps);
@@ -130,6 +130,10 @@ macro_rules! level {
             #[inline(always)]
             fn load(_: Avx512, from: &[f32; $n]) -> Self {
                 op!(Self($load(from.as_ptr())))
+            }
+            #[inline(always)]
+            fn from_bytes(_: Avx512, $bytes: &[u8; $n]) -> Self {
+                op!(Self($widened))
             }
             #[inline(always)]
             fn to_array(self) -> [f32; $n] {
@@ -218,7 +222,8 @@ level!(16: F16 U16 M16, __m512 __m512i __mmask16;
         _mm512_permutexvar_epi32(
             _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1),
             _mm512_castsi128_si512(_mm_cvtsi64_si128(packed as i64))),
-        _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 0, 4, 8, 12, 16, 20, 24, 28)));
+        _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 0, 4, 8, 12, 16, 20, 24, 28));
+    |bytes| _mm512_cvtepi32_ps(_mm512_cvtepu8_epi32(_mm_loadu_epi8(bytes.as_ptr().cast()))));
 
 level!(8: F8 U8 M8, __m256 __m256i __mmask8;
     _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_min_ps _mm256_max_ps _mm256_cmp_ps_mask
@@ -226,7 +231,8 @@ level!(8: F8 U8 M8, __m256 __m256i __mmask8;
     _mm256_fmadd_ps _mm256_fmsub_ps _mm256_mask_blend_ps _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps _mm256_permutexvar_ps _mm256_maskz_compress_ps;
     _mm256_loadu_epi32 _mm256_storeu_epi32 _mm256_permutexvar_epi32 _mm256_maskz_compress_epi32;
     |packed| _mm256_srlv_epi32(
-        _mm256_set1_epi32(packed as i32), _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28)));
+        _mm256_set1_epi32(packed as i32), _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28));
+    |bytes| _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_cvtsi64_si128(i64::from_le_bytes(*bytes)))));
 
 /// Four lanes have no `permutexvar`: the same by another name.
 ///
@@ -254,4 +260,5 @@ level!(4: F4 U4 M4, __m128 __m128i __mmask8;
     _mm_and_ps _mm_andnot_ps _mm_or_ps;
     _mm_fmadd_ps _mm_fmsub_ps _mm_mask_blend_ps _mm_set1_ps _mm_loadu_ps _mm_storeu_ps permute4 _mm_maskz_compress_ps;
     _mm_loadu_epi32 _mm_storeu_epi32 permute4_words _mm_maskz_compress_epi32;
-    |packed| _mm_srlv_epi32(_mm_set1_epi32(packed as i32), _mm_setr_epi32(0, 4, 8, 12)));
+    |packed| _mm_srlv_epi32(_mm_set1_epi32(packed as i32), _mm_setr_epi32(0, 4, 8, 12));
+    |bytes| _mm_cvtepi32_ps(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(i32::from_le_bytes(*bytes)))));

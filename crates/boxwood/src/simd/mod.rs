@@ -51,7 +51,7 @@ pub use simd128::Simd128;
 pub use {avx2::Avx2, avx512::Avx512};
 pub use {
     portable::Portable,
-    rows::{Row, Rows},
+    rows::{ByteRows, Row, Rows},
     stack::Stack,
 };
 
@@ -128,6 +128,8 @@ pub trait Floats<const N: usize>:
     fn splat(token: Self::Token, x: f32) -> Self;
     /// Lanes from memory.
     fn load(token: Self::Token, from: &[f32; N]) -> Self;
+    /// Lanes from bytes, as the numbers that they are.
+    fn from_bytes(token: Self::Token, from: &[u8; N]) -> Self;
     /// Lanes to memory.
     fn to_array(self) -> [f32; N];
     /// The smaller; `other` when unordered.

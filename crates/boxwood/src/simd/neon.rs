@@ -211,6 +211,12 @@ impl Floats<4> for F4 {
         op!(Self(vld1q_f32(from.as_ptr())))
     }
     #[inline(always)]
+    fn from_bytes(_: Neon, from: &[u8; 4]) -> Self {
+        let bytes = op!(vcreate_u8(u64::from(u32::from_le_bytes(*from))));
+        let words = op!(vmovl_u16(vget_low_u16(vmovl_u8(bytes))));
+        op!(Self(vcvtq_f32_u32(words)))
+    }
+    #[inline(always)]
     fn to_array(self) -> [f32; 4] {
         let mut out = [0.0; 4];
         op!(vst1q_f32(out.as_mut_ptr(), self.0));

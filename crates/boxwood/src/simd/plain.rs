@@ -1,6 +1,6 @@
 //! Types that are words of 32 bits and nothing else, seen as what they are: so trees go into files and come back as they lie.
 
-use super::Rows;
+use super::{ByteRows, Rows};
 
 /// What is made of 32-bit words and nothing else.
 ///
@@ -34,20 +34,27 @@ unsafe impl<const N: usize, const R: usize> Plain for Rows<N, R> {
     const BYTES: usize = <[[f32; N]; R]>::BYTES;
 }
 
+// SAFETY: bytes side by side, aligned as words are; rows that do not fill whole words leave a gap, which `SOLID` refuses.
+unsafe impl<const N: usize, const R: usize> Plain for ByteRows<N, R> {
+    const BYTES: usize = N * R;
+}
+
 /// Makes a structure [`Plain`] whose fields are: `plain!(Pair<N> { first: u32, second: [f32; N] });`
 ///
 /// Does not compile when a field is left out or of another type, or when one is not plain.
 macro_rules! plain {
-    ($name:ident $(<$n:ident>)? { $($field:ident: $of:ty),* $(,)? }) => {
+    ($name:ident $(<$n:ident $(, $b:ident: $bound:path)?>)? { $($field:ident: $of:ty),* $(,)? }) => {
         const _: () = {
             #[allow(dead_code, reason = "that it compiles is all it is for")]
-            fn all_fields$(<const $n: usize>)?($name { $($field),* }: $name $(<$n>)?) {
+            fn all_fields$(<const $n: usize $(, $b: $bound)?>)?(
+                $name { $($field),* }: $name $(<$n $(, $b)?>)?
+            ) {
                 $(let _: $of = $field;)*
             }
         };
         #[allow(unsafe_code, reason = "the promise is made for fields that were just looked at")]
         // SAFETY: all fields are plain, and their bytes are counted.
-        unsafe impl$(<const $n: usize>)? $crate::simd::Plain for $name $(<$n>)? {
+        unsafe impl$(<const $n: usize $(, $b: $bound)?>)? $crate::simd::Plain for $name $(<$n $(, $b)?>)? {
             const BYTES: usize = 0 $(+ <$of as $crate::simd::Plain>::BYTES)*;
         }
     };

@@ -60,6 +60,10 @@ impl<const N: usize> Floats<N> for Array<f32, N> {
         Self(*from)
     }
     #[inline(always)]
+    fn from_bytes(_: Portable, from: &[u8; N]) -> Self {
+        Self(from_fn(|i| f32::from(from[i])))
+    }
+    #[inline(always)]
     fn to_array(self) -> [f32; N] {
         self.0
     }

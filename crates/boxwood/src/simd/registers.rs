@@ -90,6 +90,10 @@ macro_rules! registers {
                 Self([$(T::load(token, part(from, $k))),*])
             }
             #[inline(always)]
+            fn from_bytes(token: Self::Token, from: &[u8; $n]) -> Self {
+                Self([$(T::from_bytes(token, part(from, $k))),*])
+            }
+            #[inline(always)]
             fn to_array(self) -> [f32; $n] {
                 let mut out = [0.0; $n];
                 $(out[$k * $l..][..$l].copy_from_slice(&self.0[$k].to_array());)*

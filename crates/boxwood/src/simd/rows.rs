@@ -48,3 +48,18 @@ impl<const N: usize, const R: usize> Rows<N, R> {
         unsafe { &*self.0.as_ptr().byte_add(row.0 as usize) }
     }
 }
+
+/// `R` rows of `N` bytes, chosen by a [`Row`] too.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(4))]
+pub struct ByteRows<const N: usize, const R: usize>(pub [[u8; N]; R]);
+
+impl<const N: usize, const R: usize> ByteRows<N, R> {
+    /// A row.
+    #[inline(always)]
+    pub fn at(&self, row: Row<N, R>) -> &[u8; N] {
+        let before = row.0 as usize / size_of::<f32>();
+        // SAFETY: as for `Rows::at`; a row of bytes begins at a quarter of where one of floats does.
+        unsafe { &*self.0.as_ptr().byte_add(before) }
+    }
+}

@@ -154,6 +154,12 @@ impl Floats<4> for F4 {
         Self(load(from))
     }
     #[inline(always)]
+    fn from_bytes(_: Simd128, from: &[u8; 4]) -> Self {
+        let bytes = u32x4_splat(u32::from_le_bytes(*from));
+        let words = u32x4_extend_low_u16x8(u16x8_extend_low_u8x16(bytes));
+        Self(f32x4_convert_u32x4(words))
+    }
+    #[inline(always)]
     fn to_array(self) -> [f32; 4] {
         [
             f32x4_extract_lane::<0>(self.0),

@@ -27,7 +27,9 @@ const VERTEX: c_uint = 1;
 const UINT3: c_uint = 0x5003;
 const FLOAT3: c_uint = 0x9003;
 /// `RTC_SCENE_FLAG_ROBUST`.
-const ROBUST: c_uint = 1 << 2;
+pub const ROBUST: c_uint = 1 << 2;
+/// `RTC_SCENE_FLAG_COMPACT`.
+pub const COMPACT: c_uint = 1 << 1;
 
 /// What `RTCRay` holds, or `RTCRay16` of `[_; 16]`.
 #[repr(C)]
@@ -205,15 +207,15 @@ unsafe extern "C" fn count_bytes(count: *mut c_void, bytes: isize, _post: bool) 
 }
 
 impl Scene {
-    /// A scene that holds a copy of the mesh and is not committed yet. `config` is that of `rtcNewDevice`; `quality` is
-    /// 0, 1 or 2 for low, medium or high.
+    /// A scene that holds a copy of the mesh and is not committed yet. `config` is that of `rtcNewDevice`; `flags` are any of
+    /// [`ROBUST`] and [`COMPACT`]; `quality` is 0, 1 or 2 for low, medium or high.
     ///
     /// # Errors
     /// When Embree cannot make a device or has no memory.
     pub fn new(
         embree: &Arc<Embree>,
         config: &str,
-        robust: bool,
+        flags: c_uint,
         quality: u32,
         mesh: &TriangleMesh,
     ) -> Result<Self, String> {
@@ -246,7 +248,7 @@ impl Scene {
         // overlap, and a null pointer is not written to. The scene keeps the geometry alive.
         unsafe {
             (embree.set_scene_quality)(scene, quality);
-            (embree.set_scene_flags)(scene, if robust { ROBUST } else { 0 });
+            (embree.set_scene_flags)(scene, flags);
             let geometry = (embree.new_geometry)(device, TRIANGLE);
             (embree.set_geometry_quality)(geometry, quality);
             let vertices = (embree.new_buffer)(geometry, VERTEX, 0, FLOAT3, 12, positions.len());

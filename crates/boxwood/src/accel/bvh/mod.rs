@@ -3,7 +3,7 @@
 //! *How it works.* A box around everything, two boxes in it around the halves, and so on until a handful of primitives
 //! is left. A ray that misses a box misses all inside. Builders ([`BinnedSah`] and others) only decide which primitives
 //! go where; functions in [`refine`] make a finished tree better; [`Bvh`] is the readable layout with its loop, [`WideBvh`] the
-//! fast one.
+//! fast one, [`CompactBvh`] the small one.
 //!
 //! *Cost.* About 36 bytes per primitive: 64 for each pair of nodes, 4 for each place. Spatial splits take up to their budget times that.
 //!
@@ -25,7 +25,8 @@ pub use {
     refine::Refine,
     tree::{BinaryNode, BinaryTree, MAX_DEPTH, MAX_LEAF},
     wide::{
-        Decision, Gathering, OpenError, Precision, Quality, SavedError, UnknownGathering,
-        UnknownPrecision, UnknownQuality, Updated, Upkeep, WideBvh, WideSah,
+        Compact, CompactBvh, CompactSah, Decision, Full, Gathering, Layout, OpenError, Precision,
+        Quality, SavedError, UnknownGathering, UnknownPrecision, UnknownQuality, Updated, Upkeep,
+        WideBvh, WideSah,
     },
 };

@@ -48,17 +48,50 @@ impl TriangleBlock {
         block
     }
 
+    /// The triangles of these numbers, at least one and as many as come before the first `u32::MAX`, for one look at them: of a lane
+    /// without only what the test needs is NaN.
+    #[inline(always)]
+    pub fn fetched<S: Lanes<LANES>, P: Primitives>(
+        s: S,
+        ids: [u32; LANES],
+        primitives: &P,
+    ) -> Self {
+        let triangles = all_corners(primitives, &ids);
+        let [p, q, r, t] = ids;
+        let numbers = [
+            f32::from_bits(p),
+            f32::from_bits(q),
+            f32::from_bits(r),
+            f32::from_bits(t),
+        ];
+        let numbers = F::<S, LANES>::load(s, &numbers);
+        let nan = F::<S, LANES>::splat(s, f32::NAN);
+        // No number of a triangle has the bits of a NaN, but `u32::MAX` has. Any coordinate that is none leaves no edge and no `t`.
+        let first = row(s, &triangles, 0, 0).choose(numbers.le(numbers), nan);
+        let rows = [
+            [
+                first.to_array(),
+                row(s, &triangles, 0, 1).to_array(),
+                row(s, &triangles, 0, 2).to_array(),
+            ],
+            [
+                row(s, &triangles, 1, 0).to_array(),
+                row(s, &triangles, 1, 1).to_array(),
+                row(s, &triangles, 1, 2).to_array(),
+            ],
+            [
+                row(s, &triangles, 2, 0).to_array(),
+                row(s, &triangles, 2, 1).to_array(),
+                row(s, &triangles, 2, 2).to_array(),
+            ],
+        ];
+        Self { corners: rows, ids }
+    }
+
     /// Takes the corners of its triangles anew, and says what box is around them.
     #[inline(always)]
     pub fn refit<S: Lanes<LANES>, P: Primitives>(&mut self, s: S, primitives: &P) -> Aabb {
-        // No branch on how many there are: a lane without looks at the first triangle, and keeps its NaN.
-        let [p, q, r, t] = self.ids;
-        let triangles = [
-            corners(primitives, p),
-            corners(primitives, if q == u32::MAX { p } else { q }),
-            corners(primitives, if r == u32::MAX { p } else { r }),
-            corners(primitives, if t == u32::MAX { p } else { t }),
-        ];
+        let triangles = all_corners(primitives, &self.ids);
         let first = F::<S, LANES>::load(s, &self.corners[0][0]);
         let there = first.le(first);
         let [a, b, c] = [
@@ -210,6 +243,17 @@ impl TriangleBlock {
 #[inline(always)]
 fn corners(primitives: &impl Primitives, id: u32) -> [Vec3; 3] {
     primitives.corners(id as usize).expect("a triangle")
+}
+
+/// Of four triangles. No branch on how many there are: a lane without looks at the first one.
+#[inline(always)]
+fn all_corners(primitives: &impl Primitives, &[p, q, r, t]: &[u32; LANES]) -> [[Vec3; 3]; LANES] {
+    [
+        corners(primitives, p),
+        corners(primitives, if q == u32::MAX { p } else { q }),
+        corners(primitives, if r == u32::MAX { p } else { r }),
+        corners(primitives, if t == u32::MAX { p } else { t }),
+    ]
 }
 
 /// One coordinate of one corner of four triangles.

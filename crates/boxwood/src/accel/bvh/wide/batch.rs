@@ -9,10 +9,12 @@
 //! second-level cache.
 
 use super::WideBvh;
+use super::boxes::Boxes;
+use super::layout::Layout;
 use super::node::{Child, Heading, Node, WideRay};
 use crate::geometry::triangle::block::{BlockRay, Stop};
 use crate::geometry::{PreparedRay, Ray};
-use crate::primitive::Primitives;
+use crate::primitive::{Foresight, Primitives};
 use crate::query::Query;
 use crate::simd::{F, Floats, Kernel, Lanes, Row, Simd, Stack, U, Words, address, prefetch};
 use core::array;
@@ -27,8 +29,8 @@ const SLOTS: usize = 32;
 const LINES: usize = 3;
 
 /// A batch through the door: one query for each ray.
-pub struct Batch<'a, P, Q, const N: usize> {
-    pub bvh: &'a WideBvh<P, N>,
+pub struct Batch<'a, P, Q, const N: usize, L: Layout> {
+    pub bvh: &'a WideBvh<P, N, L>,
     pub rays: &'a [Ray],
     pub queries: &'a mut [Q],
 }
@@ -72,7 +74,7 @@ impl Queue {
     }
 }
 
-impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Batch<'_, P, Q, N> {
+impl<P: Primitives, Q: Query, const N: usize, L: Layout> Kernel<N> for Batch<'_, P, Q, N, L> {
     type Output = ();
 
     #[inline(always)]
@@ -96,13 +98,22 @@ impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Batch<'_, P, Q, N> {
                 for i in 0..standing {
                     let place = at_node.slot(i);
                     let slot = &mut slots[place];
-                    slot.step::<S, Q>(s, nodes, &mut stacks[place]);
+                    slot.step::<S, Q, _>(s, nodes, &mut stacks[place]);
                     bvh.fetch(slot.current);
                     at_node.push_if(!slot.current.is_leaf(), place);
                     at_leaf.push_if(slot.current.is_leaf(), place);
                 }
             }
             let standing = mem::take(&mut at_leaf.len);
+            if P::TRIANGLES && !L::CORNERS {
+                // What leaves name is asked for on behalf of all rays before the first one looks at it.
+                for i in 0..standing {
+                    bvh.foresee(slots[at_leaf.slot(i)].current, Foresight::Far);
+                }
+                for i in 0..standing {
+                    bvh.foresee(slots[at_leaf.slot(i)].current, Foresight::Near);
+                }
+            }
             for i in 0..standing {
                 let place = at_leaf.slot(i);
                 let (slot, stack) = (&mut slots[place], &mut stacks[place]);
@@ -134,10 +145,10 @@ impl<const N: usize> Slot<N> {
 
     /// Takes the next ray that is worth a slot, if there is one; those outside the doors are answered at once.
     #[inline(always)]
-    fn begin<'r, S: Lanes<4>, P: Primitives, Q: Query>(
+    fn begin<'r, S: Lanes<4>, P: Primitives, Q: Query, L: Layout>(
         &mut self,
         s: S,
-        bvh: &WideBvh<P, N>,
+        bvh: &WideBvh<P, N, L>,
         waiting: &mut impl Iterator<Item = (usize, &'r Ray)>,
         queries: &mut [Q],
         stack: &mut Stack<ROOM>,
@@ -163,10 +174,10 @@ impl<const N: usize> Slot<N> {
 
     /// Opens the node at which the ray stands and takes the next one.
     #[inline(always)]
-    fn step<S: Simd + Lanes<N>, Q: Query>(
+    fn step<S: Simd + Lanes<N>, Q: Query, B: Boxes<N>>(
         &mut self,
         s: S,
-        nodes: &[Node<N>],
+        nodes: &[Node<N, B>],
         stack: &mut Stack<ROOM>,
     ) {
         let node = &nodes[self.current.index()];
@@ -190,10 +201,10 @@ impl<const N: usize> Slot<N> {
 
     /// Shows the query the leaf at which the ray stands and takes the next child.
     #[inline(always)]
-    fn look<S: Simd + Lanes<N>, P: Primitives, Q: Query>(
+    fn look<S: Simd + Lanes<N>, P: Primitives, Q: Query, L: Layout>(
         &mut self,
         s: S,
-        bvh: &WideBvh<P, N>,
+        bvh: &WideBvh<P, N, L>,
         query: &mut Q,
         stack: &mut Stack<ROOM>,
     ) {
@@ -206,7 +217,7 @@ impl<const N: usize> Slot<N> {
         let blocks = self.current.blocks();
         let shown = bvh
             .leaves
-            .offer(blocks, &bvh.primitives, &at, query, &mut ());
+            .offer::<L, _, _, _, _>(blocks, &bvh.primitives, &at, query, &mut ());
         match shown {
             Continue(()) => {
                 if query.t_max() < self.t_max {
@@ -238,12 +249,20 @@ impl<const N: usize> Slot<N> {
 pub const LEVELS: usize = 24;
 const ROOM: usize = Stack::<0>::room(LEVELS, 16);
 
-impl<P: Primitives, const N: usize> WideBvh<P, N> {
+impl<P: Primitives, const N: usize, L: Layout> WideBvh<P, N, L> {
+    /// Begins to load what a leaf names.
+    #[inline(always)]
+    fn foresee(&self, leaf: Child, step: Foresight) {
+        let block = leaf.blocks().start;
+        self.leaves.foresee(block, &self.primitives, step);
+    }
+
     /// Begins to load what a ray that stands there will need. Without a branch: where a ray stands cannot be predicted.
     #[inline(always)]
     fn fetch(&self, child: Child) {
         let node = address(&self.nodes, child.index());
-        let leaf = self.leaves.address(child.blocks().start);
-        prefetch(select_unpredictable(child.is_leaf(), leaf, node), LINES);
+        let leaf = self.leaves.address::<L>(child.blocks().start);
+        let lines = if L::CORNERS { LINES } else { 2 };
+        prefetch(select_unpredictable(child.is_leaf(), leaf, node), lines);
     }
 }

@@ -1,7 +1,7 @@
 //! Builders of wide trees by name.
 
 use super::leaf::Leaves;
-use super::{Gathering, Precision, Quality, WideBvh};
+use super::{Gathering, Layout, Precision, Quality, WideBvh};
 use crate::accel::bvh::tree::BinaryTree;
 use crate::accel::bvh::{BinnedSah, Lbvh, Refine, SpatialSplit};
 use crate::accel::limits::{Limits, unlimited};
@@ -121,6 +121,16 @@ where
         primitives: P,
         limits: &Limits<'_>,
     ) -> Result<WideBvh<P, N>, BuildError> {
+        let bvh: WideBvh<P, N> = self.laid_out(primitives, limits)?;
+        Ok(bvh.with_precision(self.precision))
+    }
+
+    /// The same in any layout, looked at exactly.
+    pub(super) fn laid_out<P: Primitives + Sync, L: Layout>(
+        &self,
+        primitives: P,
+        limits: &Limits<'_>,
+    ) -> Result<WideBvh<P, N, L>, BuildError> {
         // The tree is the greater part of the work.
         let watch = |share: f32| limits.watch.map_or(Continue(()), |watch| watch(share));
         let tree = self.tree(
@@ -134,9 +144,7 @@ where
             watch: Some(&|share| watch(TREE + (1.0 - TREE) * share)),
             ..*limits
         };
-        Ok(WideBvh::within(primitives, &tree, self.gathering, &rest)?
-            .with_isa(self.isa)
-            .with_precision(self.precision))
+        Ok(WideBvh::within(primitives, &tree, self.gathering, &rest)?.with_isa(self.isa))
     }
 }
 

@@ -4,6 +4,7 @@
 //! whoever writes it when, and large subtrees are written side by side.
 
 use super::gathering::Gathering;
+use super::layout::{Full, Layout};
 use super::leaf::{Blocks, Leaves};
 use super::node::{Child, Node};
 use super::plan::Plan;
@@ -16,17 +17,18 @@ use crate::pieces;
 use crate::primitive::Primitives;
 use crate::simd::Pages;
 use alloc::vec::Vec;
+use core::marker::PhantomData;
 
 /// A tree of wide nodes.
-pub struct Wide<const N: usize> {
+pub struct Wide<const N: usize, L: Layout = Full> {
     pub root: Child,
-    pub nodes: Pages<Node<N>>,
+    pub nodes: Pages<Node<N, L::Boxes<N>>>,
     pub leaves: Leaves,
     /// How many nodes lie above the deepest leaf.
     pub depth: usize,
 }
 
-impl<const N: usize> Wide<N> {
+impl<const N: usize, L: Layout> Wide<N, L> {
     fn nothing() -> Self {
         Self {
             root: Child::NOTHING,
@@ -39,36 +41,38 @@ impl<const N: usize> Wide<N> {
 
 /// Makes a wide tree of one that lies [depth-first](BinaryTree::is_depth_first), whose leaves made of subtrees hold at most so many
 /// primitives, its boxes as seen from the frame; nothing useful where the site says that the build is over.
-pub fn collapse<P: Primitives + Sync, const N: usize>(
+pub fn collapse<P: Primitives + Sync, const N: usize, L: Layout>(
     primitives: &P,
     tree: &BinaryTree,
     frame: &Frame,
     max_leaf: usize,
     gathering: Gathering,
     site: &Site<'_>,
-) -> Result<Wide<N>, BuildError> {
+) -> Result<Wide<N, L>, BuildError> {
     let plan = Plan::new(primitives, tree, max_leaf, gathering, site);
     if tree.nodes.is_empty() || site.is_over() {
         return Ok(Wide::nothing());
     }
-    let collapse = Collapse {
+    let collapse = Collapse::<_, N, L> {
         primitives,
         tree,
         frame,
         plan,
         site,
+        layout: PhantomData,
     };
     let wide = collapse.grow();
     site.give(collapse.plan.bytes());
     wide
 }
 
-struct Collapse<'a, P, const N: usize> {
+struct Collapse<'a, P, const N: usize, L> {
     primitives: &'a P,
     tree: &'a BinaryTree,
     frame: &'a Frame,
     plan: Plan<'a, N>,
     site: &'a Site<'a>,
+    layout: PhantomData<L>,
 }
 
 /// What a subtree becomes.
@@ -85,18 +89,24 @@ struct Size {
 /// Subtrees of fewer primitives are written by one thread.
 const MUCH: usize = 8192;
 
+/// A node, and where the nodes below it go.
+type NodeAndBelow<'p, const N: usize, L> = (
+    Node<N, <L as Layout>::Boxes<N>>,
+    &'p mut [Node<N, <L as Layout>::Boxes<N>>],
+);
+
 /// Where the nodes and blocks below some node go.
-struct Places<'a, const N: usize> {
-    nodes: &'a mut [Node<N>],
+struct Places<'a, const N: usize, L: Layout> {
+    nodes: &'a mut [Node<N, L::Boxes<N>>],
     /// The number of the first one.
     first_node: usize,
     blocks: Blocks<'a>,
     first_block: usize,
 }
 
-impl<'a, const N: usize> Places<'a, N> {
+impl<'a, const N: usize, L: Layout> Places<'a, N, L> {
     /// Takes the first ones off.
-    fn take(&mut self, nodes: usize, blocks: usize) -> Places<'a, N> {
+    fn take(&mut self, nodes: usize, blocks: usize) -> Self {
         let (taken, rest) = core::mem::take(&mut self.nodes).split_at_mut(nodes);
         self.nodes = rest;
         let places = Places {
@@ -110,8 +120,8 @@ impl<'a, const N: usize> Places<'a, N> {
     }
 }
 
-impl<P: Primitives + Sync, const N: usize> Collapse<'_, P, N> {
-    fn grow(&self) -> Result<Wide<N>, BuildError> {
+impl<P: Primitives + Sync, const N: usize, L: Layout> Collapse<'_, P, N, L> {
+    fn grow(&self) -> Result<Wide<N, L>, BuildError> {
         let size = self.size(0);
         if size.blocks > Child::MOST_BLOCKS {
             return Err(BuildError::TooMany {
@@ -119,13 +129,15 @@ impl<P: Primitives + Sync, const N: usize> Collapse<'_, P, N> {
                 most: Child::MOST_BLOCKS * Leaves::LANES / 2,
             });
         }
-        let bytes = size.nodes * size_of::<Node<N>>() + size.blocks * Leaves::block_bytes::<P>();
+        let node = size_of::<Node<N, L::Boxes<N>>>();
+        let corners = L::has_corners::<P>();
+        let bytes = size.nodes * node + size.blocks * Leaves::block_bytes(corners);
         if !self.site.take(bytes) {
             return Ok(Wide::nothing());
         }
         let room = "as much memory as the tree needs";
         let mut nodes = Pages::zeroed(size.nodes).expect(room);
-        let mut leaves = Leaves::zeroed::<P>(size.blocks).expect(room);
+        let mut leaves = Leaves::zeroed(corners, size.blocks).expect(room);
         let mut places = Places {
             nodes: &mut nodes,
             first_node: 0,
@@ -202,7 +214,7 @@ impl<P: Primitives + Sync, const N: usize> Collapse<'_, P, N> {
         count.div_ceil(Leaves::LANES)
     }
 
-    fn leaf(&self, index: usize, places: &mut Places<'_, N>, ids: &mut Vec<u32>) -> Child {
+    fn leaf(&self, index: usize, places: &mut Places<'_, N, L>, ids: &mut Vec<u32>) -> Child {
         self.plan.primitives(index, ids);
         let blocks = ids.len().div_ceil(Leaves::LANES);
         let taken = places.take(0, blocks);
@@ -216,9 +228,9 @@ impl<P: Primitives + Sync, const N: usize> Collapse<'_, P, N> {
         &self,
         index: usize,
         size: &Size,
-        places: &mut Places<'_, N>,
+        places: &mut Places<'_, N, L>,
         ids: &mut Vec<u32>,
-    ) -> (Node<N>, usize) {
+    ) -> (Node<N, L::Boxes<N>>, usize) {
         if !size.script.is_empty() {
             return self.by_script(&mut &size.script[..], places, ids);
         }
@@ -245,9 +257,9 @@ impl<P: Primitives + Sync, const N: usize> Collapse<'_, P, N> {
     fn by_script(
         &self,
         script: &mut &[u32],
-        places: &mut Places<'_, N>,
+        places: &mut Places<'_, N, L>,
         ids: &mut Vec<u32>,
-    ) -> (Node<N>, usize) {
+    ) -> (Node<N, L::Boxes<N>>, usize) {
         let [count, rest @ ..] = *script else {
             return (Node::new(&[]), 0);
         };
@@ -269,9 +281,9 @@ impl<P: Primitives + Sync, const N: usize> Collapse<'_, P, N> {
     fn top<'p>(
         &self,
         children: &[u32],
-        places: &mut Places<'p, N>,
+        places: &mut Places<'p, N, L>,
         ids: &mut Vec<u32>,
-    ) -> (Node<N>, &'p mut [Node<N>]) {
+    ) -> NodeAndBelow<'p, N, L> {
         let is_node = |index: u32| !self.plan.is_leaf(index as usize);
         let count = children.iter().filter(|&&index| is_node(index)).count();
         let below = places.take(count, 0);

@@ -99,7 +99,7 @@ where
             old: self,
             parts: &parts,
             nodes: Pages::with_room(nodes),
-            leaves: Leaves::with_capacity::<P>(blocks),
+            leaves: Leaves::with_capacity(P::TRIANGLES, blocks),
             before: Vec::with_capacity(self.nodes.len()),
             depth: 0,
         };

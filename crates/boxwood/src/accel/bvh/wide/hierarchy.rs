@@ -1,6 +1,7 @@
 //! The nodes as questions about space see them.
 
 use super::WideBvh;
+use super::layout::Layout;
 use super::node::Child;
 use crate::geometry::Aabb;
 use crate::primitive::Triangles;
@@ -13,7 +14,7 @@ pub struct Place {
     child: Child,
 }
 
-impl<P: Triangles, const N: usize> Hierarchy for WideBvh<P, N> {
+impl<P: Triangles, const N: usize, L: Layout> Hierarchy for WideBvh<P, N, L> {
     type Primitives = P;
     type Node = Place;
     fn primitives(&self) -> &P {
@@ -35,7 +36,7 @@ impl<P: Triangles, const N: usize> Hierarchy for WideBvh<P, N> {
         let slots = self.nodes[parent.index()].slots();
         Opened::Inner(slots.map(move |(lane, bounds, child)| {
             let number = Self::number(parent, lane);
-            (self.frame.in_world(&bounds), Place { number, child })
+            (self.in_world(&bounds), Place { number, child })
         }))
     }
     #[inline(always)]

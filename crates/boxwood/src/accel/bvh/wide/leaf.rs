@@ -1,11 +1,13 @@
-//! What lies in the leaves: triangles lane by lane, or the numbers of anything else.
+//! What lies in the leaves: triangles lane by lane, or the numbers of anything else, and of triangles where memory counts.
 
+use super::layout::Layout;
 use crate::geometry::Aabb;
 use crate::geometry::triangle::block::{BlockRay, LANES, Stop, TriangleBlock};
 use crate::primitive::{self, Foresight, Primitives, Triangles};
 use crate::proximity::Numbered;
 use crate::query::{Counters, Query, each_pair};
 use crate::simd::{Isa, Kernel, Lanes, Pages, Simd, Vectorize, address, words, words_mut};
+use core::mem::MaybeUninit;
 use core::ops::ControlFlow::{self, Break, Continue};
 use core::ops::Range;
 
@@ -18,7 +20,7 @@ const CHUNK: usize = 1024;
 /// So many blocks ahead corners are asked for, and twice as many ahead the vertices' numbers.
 const AHEAD: usize = 6;
 
-/// The blocks of all leaves. One of the lists is empty: which, is decided by [`Primitives::TRIANGLES`].
+/// The blocks of all leaves. One of the lists is empty: which, is decided by [`Layout::has_corners`].
 #[derive(Clone, Debug, Default)]
 pub struct Leaves {
     triangles: Pages<TriangleBlock>,
@@ -64,17 +66,13 @@ impl Leaves {
     pub const LANES: usize = LANES;
 
     /// How many of so many blocks go to which list.
-    fn lists<P: Primitives>(blocks: usize) -> (usize, usize) {
-        if P::TRIANGLES {
-            (blocks, 0)
-        } else {
-            (0, blocks)
-        }
+    fn lists(corners: bool, blocks: usize) -> (usize, usize) {
+        if corners { (blocks, 0) } else { (0, blocks) }
     }
 
-    /// With room for so many blocks.
-    pub fn with_capacity<P: Primitives>(blocks: usize) -> Self {
-        let (triangles, ids) = Self::lists::<P>(blocks);
+    /// With room for so many blocks, of corners or of numbers.
+    pub fn with_capacity(corners: bool, blocks: usize) -> Self {
+        let (triangles, ids) = Self::lists(corners, blocks);
         Self {
             triangles: Pages::with_room(triangles),
             ids: Pages::with_room(ids),
@@ -82,8 +80,8 @@ impl Leaves {
     }
 
     /// So many blocks of zeros, to be written over; `None` where there is no memory for them.
-    pub fn zeroed<P: Primitives>(blocks: usize) -> Option<Self> {
-        let (triangles, ids) = Self::lists::<P>(blocks);
+    pub fn zeroed(corners: bool, blocks: usize) -> Option<Self> {
+        let (triangles, ids) = Self::lists(corners, blocks);
         Some(Self {
             triangles: Pages::zeroed(triangles)?,
             ids: Pages::zeroed(ids)?,
@@ -174,24 +172,48 @@ impl Leaves {
     }
 
     /// The bytes of one block.
-    pub fn block_bytes<P: Primitives>() -> usize {
-        if P::TRIANGLES {
+    pub fn block_bytes(corners: bool) -> usize {
+        if corners {
             size_of::<TriangleBlock>()
         } else {
             size_of::<[u32; LANES]>()
         }
     }
 
-    /// The triangles in some blocks; none where the primitives are something else.
+    /// The triangles in a block: as they lie there, or fetched into the room that is given. Only of blocks that hold triangles.
     #[inline(always)]
-    pub fn triangles(&self, blocks: Range<usize>) -> &[TriangleBlock] {
-        self.triangles.get(blocks).unwrap_or(&[])
+    pub fn triangles<'a, S: Lanes<LANES>, L: Layout, P: Primitives>(
+        &'a self,
+        s: S,
+        block: usize,
+        primitives: &P,
+        room: &'a mut MaybeUninit<TriangleBlock>,
+    ) -> &'a TriangleBlock {
+        if L::CORNERS {
+            &self.triangles[block]
+        } else {
+            room.write(TriangleBlock::fetched(s, self.ids[block], primitives))
+        }
     }
 
-    /// Where a block lies, if it is one of triangles.
+    /// Begins to load what will be read of the primitives that a block names, if there is such a block.
     #[inline(always)]
-    pub fn address(&self, block: usize) -> *const u8 {
-        address(&self.triangles, block)
+    pub fn foresee<P: Primitives>(&self, block: usize, primitives: &P, step: Foresight) {
+        if let Some(ids) = self.ids.get(block) {
+            for &id in ids {
+                primitives.foresee(id as usize, step);
+            }
+        }
+    }
+
+    /// Where a block lies.
+    #[inline(always)]
+    pub fn address<L: Layout>(&self, block: usize) -> *const u8 {
+        if L::CORNERS {
+            address(&self.triangles, block)
+        } else {
+            address(&self.ids, block)
+        }
     }
 
     /// The primitives in some blocks.
@@ -227,7 +249,7 @@ impl Leaves {
 
     /// Shows the primitives in some blocks to the query.
     #[inline(always)]
-    pub fn offer<S: Lanes<LANES>, P: Primitives, Q: Query, C: Counters>(
+    pub fn offer<L: Layout, S: Lanes<LANES>, P: Primitives, Q: Query, C: Counters>(
         &self,
         blocks: Range<usize>,
         primitives: &P,
@@ -237,9 +259,18 @@ impl Leaves {
     ) -> ControlFlow<Stop> {
         if P::TRIANGLES {
             let mask = query.mask();
-            for block in &self.triangles[blocks] {
-                counters.primitives(block.count());
-                block.offer(at, query, |id| primitives.mask(id as usize) & mask != 0)?;
+            let seen = |id| primitives.mask(id as usize) & mask != 0;
+            if L::CORNERS {
+                for block in &self.triangles[blocks] {
+                    counters.primitives(block.count());
+                    block.offer(at, query, seen)?;
+                }
+            } else {
+                for &ids in &self.ids[blocks] {
+                    let block = TriangleBlock::fetched(at.s, ids, primitives);
+                    counters.primitives(block.count());
+                    block.offer(at, query, seen)?;
+                }
             }
         } else {
             for block in &self.ids[blocks] {

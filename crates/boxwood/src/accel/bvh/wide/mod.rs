@@ -5,26 +5,34 @@
 //! compiled for every instruction set, and `scalar` the same box by box; `hierarchy` shows the nodes to questions about space;
 //! `saved` puts trees into files, and `validate` looks at those that come from there.
 //!
+//! Nodes and leaves lie in one of two ways (`layout`): as `boxes` of floats and corners, or `quantised` and as numbers; all that walks knows of it
+//! is a type.
+//!
 //! Boxes of triangles are stored as seen from the middle of a scene that stands far from the world's origin (`geometry/frame.rs`); triangles
 //! stay in the world, where all structures meet them.
 //!
-//! *Cost.* About 15 bytes of nodes and 45 of leaves for each triangle of a mesh; 16 and 6 for each of other primitives.
+//! *Cost.* About 15 bytes of nodes and 45 of leaves for each triangle of a mesh; 16 and 6 for each of other primitives. Compact, 6 and 5 for each of
+//! either.
 //!
 //! *Source.* Dammertz, Hanika & Keller 2008; Wald, Benthin & Boulos 2008; Ernst & Greiner 2008; Ylitie, Karras & Laine 2017
 //! (octant order, collapse).
 
 mod batch;
+mod boxes;
 mod build;
 mod collapse;
+mod compact;
 mod gathering;
 mod graft;
 mod hierarchy;
+mod layout;
 mod leaf;
 mod node;
 mod packet;
 mod plan;
 mod precision;
 mod quality;
+mod quantised;
 mod refit;
 mod saved;
 mod scalar;
@@ -33,7 +41,9 @@ mod upkeep;
 mod validate;
 
 pub use build::WideSah;
+pub use compact::CompactSah;
 pub use gathering::{Gathering, UnknownGathering};
+pub use layout::{Compact, CompactBvh, Full, Layout};
 pub use precision::{Precision, UnknownPrecision};
 pub use quality::{Quality, UnknownQuality};
 #[doc(hidden)]
@@ -53,6 +63,8 @@ use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Query, Traverse};
 use crate::simd::{Isa, Level, Pages, Portable, Vectorize, exactly};
 use alloc::vec;
+use boxes::Boxes;
+use collapse::{Wide, collapse};
 use core::mem;
 use core::ops::ControlFlow::Break;
 use leaf::Leaves;
@@ -60,6 +72,8 @@ use node::{Child, Node};
 use packet::Outcome;
 
 /// A hierarchy of nodes with `N` children (8 or 16) over owned, borrowed or shared primitives.
+///
+/// How it lies in memory is its [`Layout`]: [`Full`], the fast way, unless the type says [`Compact`]; see [`CompactBvh`].
 ///
 /// It runs on the best instruction set of the machine, or the one named by the environment variable `BOXWOOD_ISA`; nodes
 /// and answers do not depend on it, but for those of [`Precision::Fast`].
@@ -86,13 +100,13 @@ use packet::Outcome;
 /// # Ok::<(), boxwood::MeshError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct WideBvh<P, const N: usize> {
+pub struct WideBvh<P, const N: usize, L: Layout = Full> {
     primitives: P,
     bounds: Aabb,
     /// What the boxes of nodes are seen from.
     frame: Frame,
     root: Child,
-    nodes: Pages<Node<N>>,
+    nodes: Pages<Node<N, L::Boxes<N>>>,
     leaves: Leaves,
     /// Whether some primitives lie in several leaves, each of which holds a part of them.
     cut: bool,
@@ -131,7 +145,12 @@ where
         inspect::validate(tree, &primitives)?;
         Ok(Self::new(primitives, tree))
     }
+}
 
+impl<P: Primitives + Sync, const N: usize, L: Layout> WideBvh<P, N, L>
+where
+    Level: Vectorize<N>,
+{
     fn within(
         primitives: P,
         tree: &BinaryTree,
@@ -164,7 +183,7 @@ where
         site.take(given);
         let bounds = tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds);
         let frame = Self::frame_of(&bounds);
-        let wide = collapse::collapse(&primitives, tree, &frame, MAX_LEAF, gathering, &site)?;
+        let wide: Wide<N, L> = collapse(&primitives, tree, &frame, MAX_LEAF, gathering, &site)?;
         site.finish(Self {
             cut: tree.order.len() > primitives.len(),
             bounds,
@@ -180,7 +199,7 @@ where
     }
 }
 
-impl<P: Primitives, const N: usize> WideBvh<P, N> {
+impl<P: Primitives, const N: usize, L: Layout> WideBvh<P, N, L> {
     /// From where the boxes of such a scene are seen.
     fn frame_of(bounds: &Aabb) -> Frame {
         if P::TRIANGLES {
@@ -196,6 +215,23 @@ impl<P: Primitives, const N: usize> WideBvh<P, N> {
         Self { isa, ..self }
     }
 
+    /// The primitives.
+    pub fn primitives(&self) -> &P {
+        &self.primitives
+    }
+
+    /// A box that the frame sees, in the world, or one around it.
+    #[inline(always)]
+    fn in_world(&self, bounds: &Aabb) -> Aabb {
+        if <L::Boxes<N> as Boxes<N>>::ROUNDED {
+            self.frame.around_in_world(bounds)
+        } else {
+            self.frame.in_world(bounds)
+        }
+    }
+}
+
+impl<P: Primitives, const N: usize> WideBvh<P, N> {
     /// The same tree, looked at so exactly. Primitives that are not triangles are always met exactly.
     #[must_use]
     pub fn with_precision(self, precision: Precision) -> Self {
@@ -206,14 +242,9 @@ impl<P: Primitives, const N: usize> WideBvh<P, N> {
         };
         Self { precision, ..self }
     }
-
-    /// The primitives.
-    pub fn primitives(&self) -> &P {
-        &self.primitives
-    }
 }
 
-impl<P: Primitives, const N: usize> WideBvh<P, N> {
+impl<P: Primitives, const N: usize, L: Layout> WideBvh<P, N, L> {
     /// One box after the other, for any ray.
     fn plainly<Q: Query, C: Counters>(&self, ray: &PreparedRay, query: &mut Q, counters: &mut C) {
         // Where primitives are cut, a leaf's box holds a part of each, but a ray outside the doors may hit it anywhere in
@@ -226,7 +257,7 @@ impl<P: Primitives, const N: usize> WideBvh<P, N> {
     }
 }
 
-impl<P: Primitives, const N: usize> WideBvh<P, N>
+impl<P: Primitives, const N: usize, L: Layout> WideBvh<P, N, L>
 where
     Level: Vectorize<N>,
 {
@@ -293,7 +324,7 @@ const WAIT: usize = 7;
 /// Fewer rays than this are not worth a batch.
 const FEW: usize = 16;
 
-impl<P: Primitives, const N: usize> Traverse for WideBvh<P, N>
+impl<P: Primitives, const N: usize, L: Layout> Traverse for WideBvh<P, N, L>
 where
     Level: Vectorize<N>,
 {
@@ -302,7 +333,7 @@ where
     }
 
     fn statistics(&self) -> Statistics {
-        let blocks = self.leaves.len() * Leaves::block_bytes::<P>();
+        let blocks = self.leaves.len() * Leaves::block_bytes(L::has_corners::<P>());
         Statistics {
             bytes: size_of_val(&*self.nodes) + blocks,
             ..Statistics::of_cells(self.primitives.len(), self.bounds, |show| self.cells(show))
@@ -328,7 +359,7 @@ where
                 let from = open.len();
                 let slots = self.nodes[child.index()].slots();
                 open.extend(slots.map(|(lane, bounds, below)| {
-                    let bounds = self.frame.in_world(&bounds);
+                    let bounds = self.in_world(&bounds);
                     (Self::number(child, lane), depth + 1, bounds, below)
                 }));
                 open[from..].reverse();

@@ -1,5 +1,6 @@
-//! A wide node: eight rows of `N` words, whatever `N` is.
+//! A wide node: boxes, eight rows of `N` words or a quarter of that, and two rows of what is in them.
 
+use super::boxes::Boxes;
 use crate::geometry::ray::Facing;
 use crate::geometry::{Aabb, Vec3};
 use crate::simd::{F, Floats, Lanes, Row, Rows, plain};
@@ -48,45 +49,69 @@ impl Child {
     }
 }
 
-/// Boxes, children and their order: 256 bytes for 8 children, 512 for 16.
+/// Boxes, children and their order: 256 bytes for 8 children, 512 for 16; 128 for 8 whose boxes are
+/// [quantised](super::quantised::Quantised).
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub struct Node<const N: usize> {
-    /// Lower x, upper x, lower y, upper y, lower z, upper z, as the tree's frame sees them.
-    planes: Rows<N, 6>,
+pub struct Node<const N: usize, B: Boxes<N> = Rows<N, 6>> {
+    boxes: B,
     children: [u32; N],
     /// Eight lists of `N` nibbles, one per octant: the children from far to near.
     order: [u32; N],
 }
-plain!(Node<N> { planes: Rows<N, 6>, children: [u32; N], order: [u32; N] });
+plain!(Node<N, B: Boxes<N>> { boxes: B, children: [u32; N], order: [u32; N] });
 
 impl<const N: usize> Node<N> {
-    /// A node of at most `N` children. Unused slots hold a box that no ray enters.
-    pub fn new(children: &[(Aabb, Child)]) -> Self {
-        let mut node = Self {
-            planes: Rows([[0.0; N]; 6]),
-            children: [Child::NOTHING.0; N],
-            order: [0; N],
-        };
-        for lane in 0..N {
-            let (bounds, child) = children
-                .get(lane)
-                .copied()
-                .unwrap_or((Aabb::EMPTY, Child::NOTHING));
-            node.children[lane] = child.0;
-            node.set_bounds(lane, &bounds);
-        }
-        node.set_order();
-        node
-    }
-
     /// Gives a child another box. When all have theirs, [`Node::set_order`] is due.
     #[inline(always)]
     pub fn set_bounds(&mut self, lane: usize, bounds: &Aabb) {
-        for axis in 0..3 {
-            self.planes.0[2 * axis][lane] = bounds.lower[axis];
-            self.planes.0[2 * axis + 1][lane] = bounds.upper[axis];
+        self.boxes.set(lane, bounds);
+    }
+
+    /// Whether no ray enters a slot without a child, and no box has a side that is no number.
+    pub fn is_closed(&self) -> bool {
+        (0..N).all(|lane| {
+            let Aabb { lower, upper } = self.bounds(lane);
+            if self.child(lane) == Child::NOTHING {
+                self.bounds(lane) == Aabb::EMPTY
+            } else {
+                !(lower.to_array().into_iter())
+                    .chain(upper.to_array())
+                    .any(f32::is_nan)
+            }
+        })
+    }
+
+    /// Half the surface of each child's box; zero where there is no child.
+    #[inline(always)]
+    pub fn half_areas(&self) -> [f64; N] {
+        let rows = &self.boxes.0;
+        let mut areas = [0.0; N];
+        for lane in 0..N {
+            let x = extent(rows[0][lane], rows[1][lane]);
+            let y = extent(rows[2][lane], rows[3][lane]);
+            let z = extent(rows[4][lane], rows[5][lane]);
+            areas[lane] = x * y + y * z + z * x;
         }
+        areas
+    }
+}
+
+impl<const N: usize, B: Boxes<N>> Node<N, B> {
+    /// A node of at most `N` children. Unused slots hold a box that no ray enters.
+    pub fn new(children: &[(Aabb, Child)]) -> Self {
+        let mut bounds = [Aabb::EMPTY; N];
+        let mut references = [Child::NOTHING.0; N];
+        for (lane, &(around, child)) in children.iter().enumerate().take(N) {
+            (bounds[lane], references[lane]) = (around, child.0);
+        }
+        let mut node = Self {
+            boxes: B::new(&bounds[..children.len().min(N)]),
+            children: references,
+            order: [0; N],
+        };
+        node.set_order();
+        node
     }
 
     /// Finds the children's order for every octant: from far to near by the middles of their boxes, after slots without a child. The
@@ -96,13 +121,7 @@ impl<const N: usize> Node<N> {
         let nothing = |&&child: &&u32| child == Child::NOTHING.0;
         let count = N - self.children.iter().rev().take_while(nothing).count();
         self.order = [0; N];
-        let mut middles = [[0.0; N]; 3];
-        for (axis, row) in middles.iter_mut().enumerate() {
-            for lane in 0..N {
-                row[lane] = self.planes.0[2 * axis][lane] + self.planes.0[2 * axis + 1][lane];
-            }
-        }
-        let [x, y, z] = middles;
+        let [x, y, z] = self.boxes.middles();
         for octant in 0..4 {
             let [sx, sy] = [octant & 1, octant >> 1].map(|down| if down == 1 { -1.0 } else { 1.0 });
             let mut keys = [0_i32; N];
@@ -158,20 +177,6 @@ impl<const N: usize> Node<N> {
         })
     }
 
-    /// Whether no ray enters a slot without a child, and no box has a side that is no number.
-    pub fn is_closed(&self) -> bool {
-        (0..N).all(|lane| {
-            let Aabb { lower, upper } = self.bounds(lane);
-            if self.child(lane) == Child::NOTHING {
-                self.bounds(lane) == Aabb::EMPTY
-            } else {
-                !(lower.to_array().into_iter())
-                    .chain(upper.to_array())
-                    .any(f32::is_nan)
-            }
-        })
-    }
-
     #[inline(always)]
     pub fn child(&self, lane: usize) -> Child {
         Child(self.children[lane & (N - 1)])
@@ -210,22 +215,19 @@ impl<const N: usize> Node<N> {
 
     /// The box of a child, as the tree's frame sees it.
     pub fn bounds(&self, lane: usize) -> Aabb {
-        let side = |k: usize| Vec3::from([0, 2, 4].map(|axis| self.planes.0[axis + k][lane]));
-        Aabb::new(side(0), side(1))
+        self.boxes.bounds(lane)
     }
 
-    /// Half the surface of each child's box; zero where there is no child.
+    /// The planes across an axis, near and far.
     #[inline(always)]
-    pub fn half_areas(&self) -> [f64; N] {
-        let rows = &self.planes.0;
-        let mut areas = [0.0; N];
-        for lane in 0..N {
-            let x = extent(rows[0][lane], rows[1][lane]);
-            let y = extent(rows[2][lane], rows[3][lane]);
-            let z = extent(rows[4][lane], rows[5][lane]);
-            areas[lane] = x * y + y * z + z * x;
-        }
-        areas
+    pub fn planes<S: Lanes<N>>(&self, s: S, axis: usize, heading: Heading) -> [F<S, N>; 2] {
+        self.boxes.planes(s, axis, heading.row(axis))
+    }
+
+    /// How far rays go for each child, which is nowhere in a slot without one.
+    #[inline(always)]
+    pub fn ends<S: Lanes<N>>(&self, s: S, t_max: F<S, N>) -> F<S, N> {
+        self.boxes.ends(s, t_max)
     }
 
     /// Where the ray enters and leaves each child within its interval, both erring to the outside by the slack; a child is
@@ -238,16 +240,18 @@ impl<const N: usize> Node<N> {
         t_max: F<S, N>,
     ) -> (F<S, N>, F<S, N>) {
         let [x, y, z] = ray.rows;
-        let load = |row| F::<S, N>::load(s, self.planes.at(row));
-        let near_x = load(x).times_more(ray.inverse[0], ray.enter[0]);
-        let near_y = load(y).times_more(ray.inverse[1], ray.enter[1]);
-        let near_z = load(z).times_more(ray.inverse[2], ray.enter[2]);
-        let far_x = load(x.neighbour()).times_more(ray.inverse[0], ray.leave[0]);
-        let far_y = load(y.neighbour()).times_more(ray.inverse[1], ray.leave[1]);
-        let far_z = load(z.neighbour()).times_more(ray.inverse[2], ray.leave[2]);
+        let [near_x, far_x] = self.boxes.planes(s, 0, x);
+        let [near_y, far_y] = self.boxes.planes(s, 1, y);
+        let [near_z, far_z] = self.boxes.planes(s, 2, z);
+        let near_x = near_x.times_more(ray.inverse[0], ray.enter[0]);
+        let near_y = near_y.times_more(ray.inverse[1], ray.enter[1]);
+        let near_z = near_z.times_more(ray.inverse[2], ray.enter[2]);
+        let far_x = far_x.times_more(ray.inverse[0], ray.leave[0]);
+        let far_y = far_y.times_more(ray.inverse[1], ray.leave[1]);
+        let far_z = far_z.times_more(ray.inverse[2], ray.leave[2]);
         (
             near_x.max(near_y).max(near_z.max(ray.t_min)),
-            far_x.min(far_y).min(far_z.min(t_max)),
+            far_x.min(far_y).min(far_z.min(self.boxes.ends(s, t_max))),
         )
     }
 }
@@ -299,21 +303,6 @@ impl Heading {
     #[inline(always)]
     pub fn is_down(self, axis: usize) -> bool {
         self.0 >> axis & 1 == 1
-    }
-
-    /// The near and the far planes of a node across an axis.
-    #[inline(always)]
-    pub fn planes<S: Lanes<N>, const N: usize>(
-        self,
-        s: S,
-        node: &Node<N>,
-        axis: usize,
-    ) -> [F<S, N>; 2] {
-        let near = self.row(axis);
-        [
-            F::<S, N>::load(s, node.planes.at(near)),
-            F::<S, N>::load(s, node.planes.at(near.neighbour())),
-        ]
     }
 }
 

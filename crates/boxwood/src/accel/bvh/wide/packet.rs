@@ -16,6 +16,7 @@ mod gather;
 mod leaf;
 
 use super::WideBvh;
+use super::layout::Layout;
 use super::node::{Child, Heading};
 use super::precision::Precision;
 use crate::geometry::Ray;
@@ -39,8 +40,8 @@ type Row = [[f32; LANES]; GROUPS];
 const ROW: Row = [[0.0; LANES]; GROUPS];
 
 /// A packet through the door: at most [`RAYS`] rays, one query for each.
-pub struct Together<'a, P, Q, const N: usize> {
-    pub bvh: &'a WideBvh<P, N>,
+pub struct Together<'a, P, Q, const N: usize, L: Layout> {
+    pub bvh: &'a WideBvh<P, N, L>,
     pub packet: &'a mut Packet,
     pub rays: &'a [Ray],
     pub queries: &'a mut [Q],
@@ -113,7 +114,7 @@ impl Packet {
     }
 }
 
-impl<P: Primitives, Q: Query, const N: usize> Kernel<N> for Together<'_, P, Q, N> {
+impl<P: Primitives, Q: Query, const N: usize, L: Layout> Kernel<N> for Together<'_, P, Q, N, L> {
     type Output = Outcome;
 
     #[inline(always)]

@@ -1,6 +1,7 @@
 //! The same walk box by box: for rays outside the doors, which need double precision, and for those that want to know why.
 
 use super::WideBvh;
+use super::layout::Layout;
 use super::node::Child;
 use crate::geometry::frame::Frame;
 use crate::geometry::{Aabb, PreparedRay};
@@ -11,8 +12,8 @@ use alloc::vec::Vec;
 
 /// Shows the primitives that the ray may meet to the query, at any level and for any ray.
 #[cold]
-pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize>(
-    bvh: &WideBvh<P, N>,
+pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize, L: Layout>(
+    bvh: &WideBvh<P, N, L>,
     ray: &PreparedRay,
     query: &mut Q,
     counters: &mut C,
@@ -73,13 +74,13 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize>(
         let t_max = query.t_max();
         for (lane, bounds, below) in bvh.nodes[child.index()].slots() {
             if let Some(enter) = sight.enters(&bounds, t_max) {
-                stack.push((enter, WideBvh::<P, N>::number(child, lane), below));
+                stack.push((enter, WideBvh::<P, N, L>::number(child, lane), below));
             } else if C::EXPLAINS {
-                let number = WideBvh::<P, N>::number(child, lane);
+                let number = WideBvh::<P, N, L>::number(child, lane);
                 let slabs = sight.slabs(&bounds);
                 counters.step(Step::of_box(
                     number,
-                    bvh.frame.in_world(&bounds),
+                    bvh.in_world(&bounds),
                     slabs,
                     ray.t_min,
                     t_max,
@@ -103,7 +104,7 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize>(
                 let slabs = sight.slabs(&bounds);
                 counters.step(Step::of_box(
                     number,
-                    bvh.frame.in_world(&bounds),
+                    bvh.in_world(&bounds),
                     slabs,
                     ray.t_min,
                     t_max,
@@ -147,7 +148,7 @@ impl<'a> Sight<'a> {
     }
 }
 
-impl<P, const N: usize> WideBvh<P, N> {
+impl<P, const N: usize, L: Layout> WideBvh<P, N, L> {
     /// The number of a child: 0 is the root, and the children of node `i` are `i N + 1` and so on.
     pub(super) fn number(parent: Child, lane: usize) -> u32 {
         (parent.index() * N + lane + 1) as u32

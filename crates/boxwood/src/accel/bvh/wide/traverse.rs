@@ -1,6 +1,7 @@
 //! The one loop over wide nodes, in lanes.
 
 use super::WideBvh;
+use super::layout::Layout;
 use super::node::{Child, Heading, WideRay};
 use crate::geometry::ray::Facing;
 use crate::geometry::triangle::block::{BlockRay, Stop};
@@ -15,14 +16,16 @@ use core::ops::ControlFlow::{self, Break, Continue};
 const ROOM: usize = Stack::<0>::room(64, 16);
 
 /// One ray through the door.
-pub struct One<'a, P, Q, C, const N: usize> {
-    pub bvh: &'a WideBvh<P, N>,
+pub struct One<'a, P, Q, C, const N: usize, L: Layout> {
+    pub bvh: &'a WideBvh<P, N, L>,
     pub ray: &'a Ray,
     pub query: &'a mut Q,
     pub counters: &'a mut C,
 }
 
-impl<P: Primitives, Q: Query, C: Counters, const N: usize> Kernel<N> for One<'_, P, Q, C, N> {
+impl<P: Primitives, Q: Query, C: Counters, const N: usize, L: Layout> Kernel<N>
+    for One<'_, P, Q, C, N, L>
+{
     type Output = ControlFlow<Stop>;
     #[inline(always)]
     fn run<S: Simd + Lanes<N>>(self, s: S) -> ControlFlow<Stop> {
@@ -40,9 +43,9 @@ impl<P: Primitives, Q: Query, C: Counters, const N: usize> Kernel<N> for One<'_,
 /// the next load need not wait for any sorting. Where there are more, the list for the ray's octant says which comes
 /// first; they go onto the stack in that order, closed up, with the distances of their boxes.
 #[inline(always)]
-fn walk<S, P, Q, C, const N: usize>(
+fn walk<S, P, Q, C, const N: usize, L>(
     s: S,
-    bvh: &WideBvh<P, N>,
+    bvh: &WideBvh<P, N, L>,
     ray: &PreparedRay,
     facing: &Facing<S>,
     query: &mut Q,
@@ -53,6 +56,7 @@ where
     P: Primitives,
     Q: Query,
     C: Counters,
+    L: Layout,
 {
     let heading = Heading::of(s, facing);
     let wide = WideRay::<S, N>::new(s, facing.slab_terms(), ray.t_min, heading.rows());
@@ -97,8 +101,13 @@ where
             leaning,
             exact,
         };
-        bvh.leaves
-            .offer(current.blocks(), &bvh.primitives, &at, query, counters)?;
+        (bvh.leaves).offer::<L, _, _, _, _>(
+            current.blocks(),
+            &bvh.primitives,
+            &at,
+            query,
+            counters,
+        )?;
         t_max = F::<S, N>::splat(s, query.t_max());
         match next(&mut stack, query) {
             Some(child) => current = child,

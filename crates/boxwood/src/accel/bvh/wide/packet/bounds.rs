@@ -1,6 +1,7 @@
 //! The box test of a packet: the intervals of all its rays against every child of a node.
 
 use super::Packet;
+use crate::accel::bvh::wide::boxes::Boxes;
 use crate::accel::bvh::wide::node::{Heading, Node};
 use crate::simd::{F, Floats, Lanes};
 
@@ -44,11 +45,11 @@ impl<S: Lanes<N>, const N: usize> Bounds<S, N> {
 
     /// Where the first ray may enter each child, and where the last one may leave it.
     #[inline(always)]
-    pub fn slabs(&self, s: S, node: &Node<N>, latest: f32) -> (F<S, N>, F<S, N>) {
+    pub fn slabs<B: Boxes<N>>(&self, s: S, node: &Node<N, B>, latest: f32) -> (F<S, N>, F<S, N>) {
         let mut entry = self.t_min;
-        let mut exit = F::<S, N>::splat(s, latest);
+        let mut exit = node.ends(s, F::<S, N>::splat(s, latest));
         for k in 0..3 {
-            let [near, far] = self.heading.planes(s, node, k);
+            let [near, far] = node.planes(s, k, self.heading);
             let (near, far) = (near - self.near[k], far - self.far[k]);
             let (a, b) = (self.least_inverse[k], self.most_inverse[k]);
             entry = entry.max((near * a).min(near * b));

@@ -2,20 +2,22 @@
 
 use super::{GROUPS, LANES, Packet};
 use crate::accel::bvh::wide::WideBvh;
+use crate::accel::bvh::wide::layout::Layout;
 use crate::accel::bvh::wide::node::Child;
 use crate::geometry::Aabb;
 use crate::geometry::triangle::block::{RayGroup, TriangleBlock};
 use crate::primitive::Primitives;
 use crate::simd::{F, Floats, Lanes, Mask, Simd};
+use core::mem::MaybeUninit;
 
 impl Packet {
     /// Shows a leaf's triangles to the rays that enter its box; whether some ray's interval became shorter. Rays want the
     /// nearest hit if they are `ORDERED`, else any one.
     #[inline(always)]
-    pub fn leaf<S: Simd, P: Primitives, const N: usize>(
+    pub fn leaf<S: Simd, P: Primitives, const N: usize, L: Layout>(
         &mut self,
         s: S,
-        bvh: &WideBvh<P, N>,
+        bvh: &WideBvh<P, N, L>,
         leaf: Child,
         parent: Child,
         ordered: bool,
@@ -32,8 +34,11 @@ impl Packet {
             {
                 continue;
             }
-            for block in bvh.leaves.triangles(leaf.blocks()) {
-                shorter |= self.block(s, &bvh.primitives, block, group, ordered);
+            for block in leaf.blocks() {
+                let mut room = MaybeUninit::uninit();
+                let primitives = &bvh.primitives;
+                let block = (bvh.leaves).triangles::<S, L, P>(s, block, primitives, &mut room);
+                shorter |= self.block(s, primitives, block, group, ordered);
             }
         }
         shorter

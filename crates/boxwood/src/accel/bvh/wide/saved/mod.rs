@@ -245,7 +245,7 @@ where
         // Before any memory is asked for.
         let bytes = |count: u64, each: usize| count.checked_mul(each as u64);
         let expected = bytes(header.nodes, size_of::<Node<N>>())
-            .zip(bytes(header.blocks, Leaves::block_bytes::<P>()))
+            .zip(bytes(header.blocks, Leaves::block_bytes(P::TRIANGLES)))
             .and_then(|(nodes, blocks)| nodes.checked_add(blocks)?.checked_add(HEADER))
             .unwrap_or(u64::MAX);
         if expected != length {
@@ -265,7 +265,7 @@ where
             primitives,
             root: Child(header.root),
             nodes: Pages::zeroed(nodes).ok_or_else(|| no_memory.clone())?,
-            leaves: Leaves::zeroed::<P>(blocks).ok_or(no_memory.clone())?,
+            leaves: Leaves::zeroed(P::TRIANGLES, blocks).ok_or(no_memory.clone())?,
             cut: header.cut == 1,
             isa: Isa::best(),
             precision: Precision::Exact,
