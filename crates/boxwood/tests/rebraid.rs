@@ -37,7 +37,7 @@ fn heap(count: usize, stretch: [f32; 3], random: &mut Random) -> Arc<Instances> 
     let place = |i: usize| {
         let transform = Affine::scale(stretch)
             .then(&placed::turn(random))
-            .then(&Affine::translation(random.in_cube()));
+            .then(&Affine::translation(random.in_cube() * 0.2));
         let mask = random.pick(&[u32::MAX, u32::MAX, 0b010, 0b101]);
         Instance::new((i % objects.len()) as u32, transform).masked(mask)
     };
@@ -102,7 +102,7 @@ fn with_parts<const N: usize>(tree: WideBvh<Arc<Instances>, N>) -> WideBvh<Arc<I
 #[test]
 fn turned_objects_agree() {
     for seed in 0..3 {
-        let set = heap(12, [1.0; 3], &mut Random::new(seed));
+        let set = heap(16, [1.0; 3], &mut Random::new(seed));
         agree(&set, &format!("heap {seed}"), seed);
     }
 }
@@ -110,7 +110,7 @@ fn turned_objects_agree() {
 #[test]
 fn stretched_and_mirrored_objects_agree() {
     agree(
-        &heap(12, [1.0, -2.0, 0.5], &mut Random::new(5)),
+        &heap(16, [1.0, -2.0, 0.5], &mut Random::new(5)),
         "stretched",
         5,
     );
@@ -121,7 +121,7 @@ fn objects_of_all_sizes_agree() {
     let mut random = Random::new(40);
     let mesh = shapes::terrain(20, &mut random).mesh();
     let place = |_| Instance::new(0, placed::transform(4, &mut random));
-    let places: Vec<_> = (0..40).map(place).collect();
+    let places: Vec<_> = (0..120).map(place).collect();
     agree(&set_of([object(mesh, "wide8")], places), "of all sizes", 6);
 }
 
@@ -129,14 +129,14 @@ fn objects_of_all_sizes_agree() {
 fn objects_within_objects_agree() {
     let mut random = Random::new(9);
     for inner in [1, 8] {
-        let set = Arc::new(heap(6, [1.0; 3], &mut random));
+        let set = heap(16, [1.0; 3], &mut random);
         let structure: Arc<dyn Intersect> = Arc::new(builder::<8>(inner).build(set.clone()));
-        let object = Object::of_instances(set, structure).expect("not too deep");
+        let object = Object::of_instances(set.clone(), structure).expect("not too deep");
         let place = |_| {
-            let to = Affine::translation(random.in_cube() * 0.5);
+            let to = Affine::translation(random.in_cube() * 0.1);
             Instance::new(0, placed::turn(&mut random).then(&to))
         };
-        let outer = set_of([object], (0..6).map(place));
+        let outer = set_of([object], (0..12).map(place));
         // Only those that lie whole in the inner tree can be opened by the outer one.
         assert_eq!(builder::<8>(8).build(outer.clone()).has_parts(), inner == 1);
         if inner == 1 {
@@ -149,7 +149,7 @@ fn objects_within_objects_agree() {
 #[test]
 fn far_away_rays_agree() {
     let mut random = Random::new(31);
-    let set = heap(10, [1.0; 3], &mut random);
+    let set = heap(16, [1.0; 3], &mut random);
     let tree = with_parts(builder::<16>(32).build(set.clone()));
     let targets = Targets::of_boxes(&*set);
     let judge = BruteForce::new(&*set);
@@ -175,7 +175,7 @@ fn far_away_rays_agree() {
 #[test]
 fn no_hit_is_shown_twice() {
     let mut random = Random::new(12);
-    let set = heap(12, [1.0; 3], &mut random);
+    let set = heap(16, [1.0; 3], &mut random);
     let tree = with_parts(builder::<8>(16).build(set.clone()));
     let judge = BruteForce::new(&*set);
     let mut hits = 0;
@@ -250,15 +250,15 @@ fn nothing_is_opened_in_vain() {
     let set = set_of([ball.clone()], (0..25).map(apart));
     assert!(!builder::<8>(16).build(set.clone()).has_parts());
     // Neither what shows no parts, nor what is asked to stay whole.
-    let crowd = heap(10, [1.0; 3], &mut random);
+    let crowd = heap(16, [1.0; 3], &mut random);
     assert!(!builder::<8>(1).build(crowd).has_parts());
     let plain = object(shapes::sphere(24, 16).mesh(), "bvh:binned");
-    let here = vec![Instance::new(0, Affine::IDENTITY); 4];
+    let here = vec![Instance::new(0, Affine::IDENTITY); 9];
     let set = set_of([plain], here.clone());
     assert!(!builder::<8>(16).build(set.clone()).has_parts());
     // Nor what is stretched so much that no box could be proven.
     let flat = Affine::scale([1.0, 1.0e-3, 1.0]);
-    let flat = vec![Instance::new(0, flat.then(&placed::turn(&mut random))); 4];
+    let flat = vec![Instance::new(0, flat.then(&placed::turn(&mut random))); 9];
     let set = set_of([ball.clone()], flat);
     assert!(!builder::<8>(16).build(set.clone()).has_parts());
     let set = set_of([ball], here);
@@ -266,17 +266,17 @@ fn nothing_is_opened_in_vain() {
         let tree = builder::<8>(rebraid).build(set.clone());
         Intersect::statistics(&tree).leaves
     };
-    assert_eq!(leaves(1), 4);
-    for most in [4, 16, 64] {
+    assert_eq!(leaves(1), 9);
+    for most in [3, 16, 64] {
         let found = leaves(most);
-        assert!(4 < found && found <= 4 * most, "{found} of {most}");
+        assert!(9 < found && found <= 9 * most, "{found} of {most}");
     }
 }
 
 #[test]
 fn what_moves_is_whole_again() {
     let mut random = Random::new(17);
-    let set = heap(12, [1.0; 3], &mut random);
+    let set = heap(16, [1.0; 3], &mut random);
     let mut tree = builder::<8>(16).build(set.clone());
     assert!(tree.has_parts());
     let to = [(3, Affine::translation([0.0, 1.0, 0.0]))];
@@ -365,7 +365,7 @@ fn threads_change_nothing() {
 /// Saved trees bear no parts, and are not taken for whole.
 #[test]
 fn a_saved_tree_of_parts_is_refused() {
-    let set = heap(12, [1.0; 3], &mut Random::new(37));
+    let set = heap(16, [1.0; 3], &mut Random::new(37));
     let tree = builder::<8>(16).build(set.clone());
     assert_eq!(tree.validate(), Ok(()));
     let bytes = tree.to_bytes();

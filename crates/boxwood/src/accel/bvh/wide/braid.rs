@@ -65,8 +65,11 @@ impl Primitives for Entries {
     const COMPOSITE: bool = true;
 }
 
-/// Primitives that share less of their surface with others, all in all, stay whole.
-const LEAST_SHARE: f64 = 0.5;
+/// What shares less than so many times its surface with others, all in all, stays whole: parts of an object have more surface than all of it, and to
+/// enter several costs more than it saves where few overlap.
+const LEAST_SHARE: f64 = 5.0;
+/// There are at most so many entries more than primitives, or trees over a million objects would take much longer to build.
+const MOST_MORE: usize = 1 << 16;
 /// What a box shares with others is counted up to so many times its own surface.
 const MOST_SHARED: f64 = 8.0;
 /// And among so many others.
@@ -89,7 +92,7 @@ pub fn entries<P: Primitives + Sync>(
     if !P::COMPOSITE || most < 2 || count < 2 {
         return Ok(None);
     }
-    let room = most.saturating_mul(count).min(u32::MAX as usize);
+    let room = most.saturating_mul(count).min(count + MOST_MORE);
     let watch = |share: f32| limits.watch.map_or(Continue(()), |watch| watch(share));
     let [before, after] = [0.0, 0.5].map(|from| move |share: f32| watch(from + 0.5 * share));
     let afterwards = Limits {

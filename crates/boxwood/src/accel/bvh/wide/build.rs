@@ -45,7 +45,7 @@ impl<const N: usize> Default for WideSah<N> {
             bins: 32,
             axes: Axes::XYZ,
             refine: Refine::NONE,
-            rebraid: 2,
+            rebraid: 8,
             gathering: Gathering::Optimal,
             isa: Isa::best(),
             precision: Precision::Exact,
