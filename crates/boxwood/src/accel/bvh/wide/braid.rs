@@ -68,8 +68,9 @@ impl Primitives for Entries {
 /// What shares less than so many times its surface with others, all in all, stays whole: parts of an object have more surface than all of it, and to
 /// enter several costs more than it saves where few overlap.
 const LEAST_SHARE: f64 = 5.0;
-/// There are at most so many entries more than primitives, or trees over a million objects would take much longer to build.
-const MOST_MORE: usize = 1 << 16;
+/// There are at most so many entries more than primitives: enough for the large ones, which rays meet most. Thousands of small ones that overlap, as the
+/// plants of a meadow do, gain nothing by it.
+const MOST_MORE: usize = 1 << 12;
 /// What a box shares with others is counted up to so many times its own surface.
 const MOST_SHARED: f64 = 8.0;
 /// And among so many others.

@@ -28,7 +28,8 @@ pub struct WideSah<const N: usize> {
     /// What is done to the binary tree before it is collapsed.
     pub refine: Refine,
     /// How many leaves there may be for each placed object, on average, where objects that overlap are opened and lie in the tree part by part; 1
-    /// leaves all of them whole. Other primitives are always whole. What moves should be: a part follows with the box of all of its object.
+    /// leaves all of them whole. There are at most 4096 leaves more than objects. Other primitives are always whole. What moves should be: after an
+    /// [update](WideBvh::update) each leaf shows all of its object.
     pub rebraid: usize,
     /// How the nodes of the binary tree are gathered into wide ones.
     pub gathering: Gathering,
