@@ -256,21 +256,15 @@ fn fill(entries: &mut [Entry], whole: &[Entry]) {
         let least = entries.iter_mut().filter(there);
         let least = least.min_by(|a, b| a.bounds.lower[axis].total_cmp(&b.bounds.lower[axis]));
         if let Some(entry) = least {
-            set(&mut entry.bounds.lower, axis, lower);
+            entry.bounds.lower[axis] = lower;
         }
         let greatest = entries.iter_mut().filter(there);
         let greatest =
             greatest.max_by(|a, b| a.bounds.upper[axis].total_cmp(&b.bounds.upper[axis]));
         if let Some(entry) = greatest {
-            set(&mut entry.bounds.upper, axis, upper);
+            entry.bounds.upper[axis] = upper;
         }
     }
-}
-
-fn set(p: &mut crate::geometry::Vec3, axis: usize, to: f32) {
-    let mut all = p.to_array();
-    all[axis] = to;
-    *p = all.into();
 }
 
 impl<P: Primitives + Sync, const N: usize> WideBvh<P, N>
