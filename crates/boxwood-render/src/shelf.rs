@@ -57,6 +57,9 @@ macro_rules! kept {
                 }
             }
             let tree = builder.build(primitives);
+            if tree.has_parts() {
+                return tree;
+            }
             shelf.keep(&name, &mut |file| tree.save(|bytes| file.write_all(bytes)));
             tree
         }

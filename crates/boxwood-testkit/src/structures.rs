@@ -70,6 +70,8 @@ const TABLE: &[&str] = &[
     "wide16:isa=portable",
     "wide16:axes=z",
     "wide16:gathering=greedy",
+    "wide8:rebraid=1",
+    "wide16:rebraid=16,bins=8",
     "wide8:quality=fast",
     "wide8:quality=high",
     "wide8:quality=ultra",

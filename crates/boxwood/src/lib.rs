@@ -67,8 +67,8 @@ pub use primitive::{
 };
 pub use proximity::Proximity;
 pub use query::{
-    AllHits, Closest, Counters, Filter, FirstHits, Intersect, Occluded, Query, Relay, Seen, Step,
-    TraversalStats, Traverse, Verdict,
+    AllHits, Closest, Counters, Filter, FirstHits, Intersect, Occluded, Part, Query, Relay, Seen,
+    Step, TraversalStats, Traverse, Verdict,
 };
 #[doc(hidden)]
 pub use simd::carelessly;

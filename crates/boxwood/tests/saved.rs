@@ -420,13 +420,13 @@ fn builders_make_the_trees_of_their_revision() {
             WideSah::<8>::REVISION,
             hash(WideSah::<8>::default().build(&mesh).to_bytes())
         ),
-        (1, 72_636_621_047_930_230_467_226_004_801_921_171_695)
+        (2, 72_636_621_047_930_230_467_226_004_801_921_171_695)
     );
     assert_eq!(
         (
             WideSah::<16>::REVISION,
             hash(WideSah::<16>::default().build(&mesh).to_bytes())
         ),
-        (1, 23_088_655_166_287_979_221_449_060_490_787_323_544)
+        (2, 23_088_655_166_287_979_221_449_060_490_787_323_544)
     );
 }

@@ -15,7 +15,7 @@ pub use shapes::{
 };
 
 use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Surface, Vec3};
-use crate::query::{Counters, Query, Step};
+use crate::query::{Counters, Part, Query, Step};
 use alloc::sync::Arc;
 use core::ops::ControlFlow::{self, Continue};
 
@@ -73,10 +73,32 @@ pub trait Primitives {
     /// Whether every hit that [`Primitives::offer`] makes is *proven* to lie in the primitive's box padded by the slack
     /// (see [`PreparedRay`]). Where it is not, [`offer`] asks for each hit and drops those outside.
     const WITHIN_SLACK: bool = false;
+    /// Whether primitives may consist of parts, by which wide trees hold them, and are so dear to meet that each deserves a box of its own in a
+    /// tree: [`Instances`] are such.
+    const COMPOSITE: bool = false;
+    /// Shows what a part of primitive `i` consists of, in boxes from which no hit is farther away than [`PARTS_SLACK`] times the slack; nothing where it
+    /// cannot be taken apart.
+    fn parts(&self, _i: usize, _of: Part, _show: &mut dyn FnMut(Aabb, Part)) {}
+    /// [`Primitives::offer`] of a part that was shown, or of everything ([`Part::ALL`]), for a ray that meets its box. By default of everything.
+    #[inline(always)]
+    fn offer_part<Q: Query, C: Counters>(
+        &self,
+        i: usize,
+        _part: Part,
+        ray: &PreparedRay,
+        query: &mut Q,
+        counters: &mut C,
+    ) -> ControlFlow<()> {
+        self.offer(i, ray, query, counters)
+    }
     /// Whether every primitive is the triangle that [`Primitives::corners`] gives, met by the canonical test: what wide
     /// structures may then do lane by lane. [`TriangleMesh`] is such a set.
     const TRIANGLES: bool = false;
 }
+
+/// How far from the boxes of [`Primitives::parts`] hits may be, in units of the slack that a ray has with whole primitives: a ray that comes from far
+/// away is rounded within an object's space, and there is no box in the world that is padded for all distances.
+pub const PARTS_SLACK: f32 = 8.0;
 
 /// How far ahead of time [`Primitives::foresee`] is called.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,6 +139,32 @@ pub fn offer<P: Primitives + ?Sized, Q: Query, C: Counters>(
     query: &mut Q,
     counters: &mut C,
 ) -> ControlFlow<()> {
+    show(primitives, i, None, ray, query, counters)
+}
+
+/// The same of a part of the primitive whose box the ray was found to meet; a hit must lie in the padded box of the whole one, as if it had been
+/// found there.
+#[inline(always)]
+pub fn offer_part<P: Primitives + ?Sized, Q: Query, C: Counters>(
+    primitives: &P,
+    i: usize,
+    part: Part,
+    ray: &PreparedRay,
+    query: &mut Q,
+    counters: &mut C,
+) -> ControlFlow<()> {
+    show(primitives, i, Some(part), ray, query, counters)
+}
+
+#[inline(always)]
+fn show<P: Primitives + ?Sized, Q: Query, C: Counters>(
+    primitives: &P,
+    i: usize,
+    part: Option<Part>,
+    ray: &PreparedRay,
+    query: &mut Q,
+    counters: &mut C,
+) -> ControlFlow<()> {
     if primitives.mask(i) & query.mask() == 0 {
         return Continue(());
     }
@@ -127,14 +175,21 @@ pub fn offer<P: Primitives + ?Sized, Q: Query, C: Counters>(
         });
     }
     if P::WITHIN_SLACK {
-        return primitives.offer(i, ray, query, counters);
+        return match part {
+            None => primitives.offer(i, ray, query, counters),
+            Some(part) => primitives.offer_part(i, part, ray, query, counters),
+        };
     }
     let around = primitives.bounds(i);
     // A box with NaN is empty, and no box around it knows of it.
     if around.is_empty() {
         return Continue(());
     }
-    primitives.offer(i, ray, &mut InOwnBox { around, ray, query }, counters)
+    let query = &mut InOwnBox { around, ray, query };
+    match part {
+        None => primitives.offer(i, ray, query, counters),
+        Some(part) => primitives.offer_part(i, part, ray, query, counters),
+    }
 }
 
 /// Shows every primitive to the query, as the judge does: for a ray that a structure cannot answer otherwise.
@@ -229,6 +284,21 @@ macro_rules! forward {
                 counters: &mut C,
             ) -> ControlFlow<()> {
                 (**self).offer(i, ray, query, counters)
+            }
+            const COMPOSITE: bool = P::COMPOSITE;
+            fn parts(&self, i: usize, of: Part, show: &mut dyn FnMut(Aabb, Part)) {
+                (**self).parts(i, of, show);
+            }
+            #[inline(always)]
+            fn offer_part<Q: Query, C: Counters>(
+                &self,
+                i: usize,
+                part: Part,
+                ray: &PreparedRay,
+                query: &mut Q,
+                counters: &mut C,
+            ) -> ControlFlow<()> {
+                (**self).offer_part(i, part, ray, query, counters)
             }
             const WITHIN_SLACK: bool = P::WITHIN_SLACK;
             const TRIANGLES: bool = P::TRIANGLES;

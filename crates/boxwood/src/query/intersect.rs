@@ -1,7 +1,7 @@
 //! The object-safe face of a structure.
 
 use super::batch::each_chunk;
-use super::{AllHits, Closest, FirstHits, Occluded, Query, Seen, TraversalStats, Traverse};
+use super::{AllHits, Closest, FirstHits, Occluded, Part, Query, Seen, TraversalStats, Traverse};
 use crate::geometry::{Aabb, Hit, Ray};
 use crate::inspect::{Cell, Event, Explained, Statistics};
 use crate::simd::exactly;
@@ -50,7 +50,10 @@ pub trait Intersect: Send + Sync {
     /// Shows hits to `visit` in no particular order, perhaps some of them twice, until it breaks; its value, when it is `Continue`, is the new end of
     /// the interval.
     fn visit(&self, ray: &Ray, visit: &mut dyn FnMut(Hit) -> ControlFlow<(), f32>);
-    /// [`Intersect::visit`] with all that a query and its counters say: how a structure within another one is asked.
+    /// Shows what a part of the structure consists of, as [`Traverse::parts`] does.
+    fn parts(&self, of: Part, show: &mut dyn FnMut(Aabb, Part));
+    /// [`Intersect::visit`] with all that a query and its counters say: how a structure within another one is asked. As with
+    /// [`Traverse::traverse`], the float mode is the caller's business, who has seen to it for the outer one.
     fn relay(&self, ray: &Ray, asked: Relay<'_>);
     /// [`Intersect::closest_hit`] for many rays.
     ///
@@ -102,6 +105,8 @@ pub trait Intersect: Send + Sync {
 
 /// A query and its counters in a form that passes through [`Intersect`].
 pub struct Relay<'a> {
+    /// Which part of the structure is asked.
+    pub part: Part,
     /// As [`Query::ORDERED`].
     pub ordered: bool,
     /// As [`Query::mask`].
@@ -179,14 +184,15 @@ impl<T: Traverse + Send + Sync> Intersect for T {
             self.traverse(ray, &mut query, &mut ());
         });
     }
+    fn parts(&self, of: Part, show: &mut dyn FnMut(Aabb, Part)) {
+        Traverse::parts(self, of, show);
+    }
     fn relay(&self, ray: &Ray, asked: Relay<'_>) {
-        exactly(|| {
-            if asked.ordered {
-                relay::<true>(self, ray, asked);
-            } else {
-                relay::<false>(self, ray, asked);
-            }
-        });
+        if asked.ordered {
+            relay::<true>(self, ray, asked);
+        } else {
+            relay::<false>(self, ray, asked);
+        }
     }
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len(), "one hit per ray");
@@ -247,8 +253,8 @@ fn relay<const ORDERED: bool>(structure: &impl Traverse, ray: &Ray, asked: Relay
         visit: asked.visit,
     };
     match asked.stats {
-        None => structure.traverse(ray, &mut visit, &mut ()),
-        Some(stats) => structure.traverse(ray, &mut visit, stats),
+        None => structure.traverse_part(asked.part, ray, &mut visit, &mut ()),
+        Some(stats) => structure.traverse_part(asked.part, ray, &mut visit, stats),
     }
 }
 

@@ -8,11 +8,13 @@ mod batch;
 mod counters;
 mod intersect;
 mod kinds;
+mod part;
 
 pub(crate) use batch::{each_chunk, each_pair};
 pub use counters::{Counters, Step, TraversalStats, Verdict};
 pub use intersect::{Intersect, Relay};
 pub use kinds::{AllHits, Closest, Filter, FirstHits, Occluded, Seen};
+pub use part::Part;
 
 use crate::geometry::{Aabb, Hit, Ray};
 use crate::inspect::{Cell, Statistics};
@@ -79,8 +81,23 @@ pub trait Traverse {
     /// Shows every node and cell, parents before their children: for drawings and histograms. By default nothing.
     fn cells(&self, _show: &mut dyn FnMut(&Cell<'_>)) {}
 
+    /// Shows what a part consists of, one step down: boxes around parts that have no primitive in common and together all of its primitives.
+    /// By default nothing, which is right for structures in which a primitive may lie in several places.
+    fn parts(&self, _of: Part, _show: &mut dyn FnMut(Aabb, Part)) {}
+
     /// Shows the primitives that the ray may meet to the query.
     fn traverse<Q: Query, C: Counters>(&self, ray: &Ray, query: &mut Q, counters: &mut C);
+
+    /// The same of a part that [`Traverse::parts`] has shown; of more than that at most. By default of everything.
+    fn traverse_part<Q: Query, C: Counters>(
+        &self,
+        _part: Part,
+        ray: &Ray,
+        query: &mut Q,
+        counters: &mut C,
+    ) {
+        self.traverse(ray, query, counters);
+    }
 
     /// One query per ray; the results are those of [`Traverse::traverse`] one by one.
     ///

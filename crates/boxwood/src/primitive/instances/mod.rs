@@ -9,6 +9,9 @@
 //! triangles laid out in the world, but every structure has the same ones, whatever stands over the instances and within the
 //! objects, as long as each of those is exact.
 //!
+//! *Parts.* A wide tree may hold an instance by parts of its object's structure ([`Primitives::parts`]), each with a box in the world; a hit
+//! in a part counts where it would count in the whole.
+//!
 //! *Numbers.* [`Hit::instance`] numbers the placements of innermost objects, all levels together: where a forest of 1000 trees has 5000
 //! leaves each, it runs to 5 million, and [`Instances::path`] says which tree it is and which leaf of it. So a hit is as small as
 //! ever and ties have one order everywhere. [`Hit::primitive`] is the innermost object's own number.
@@ -19,6 +22,7 @@
 
 mod object;
 mod outline;
+mod parts;
 mod path;
 mod placement;
 mod renew;
@@ -28,7 +32,7 @@ pub use object::Object;
 use super::Primitives;
 use crate::geometry::{Aabb, Affine, Hit, PreparedRay};
 use crate::math;
-use crate::query::{Counters, Query, Relay, TraversalStats};
+use crate::query::{Counters, Part, Query, Relay, TraversalStats};
 use crate::simd::exactly;
 #[cfg(feature = "parallel")]
 use crate::threads::Exactly;
@@ -375,17 +379,38 @@ impl Primitives for Instances {
         query: &mut Q,
         counters: &mut C,
     ) -> ControlFlow<()> {
-        let placement = &self.placements[i];
         // Hits count only in this box, so nothing is lost; and many boxes in a leaf are met by few rays.
-        if ray.enters(&placement.bounds, query.t_max()).is_none() {
+        if ray
+            .enters(&self.placements[i].bounds, query.t_max())
+            .is_none()
+        {
             return Continue(());
         }
+        self.offer_part(i, Part::ALL, ray, query, counters)
+    }
+    const COMPOSITE: bool = true;
+    fn parts(&self, i: usize, of: Part, show: &mut dyn FnMut(Aabb, Part)) {
+        for (bounds, part) in self.parts_of(i, of) {
+            show(bounds, part);
+        }
+    }
+    #[inline]
+    fn offer_part<Q: Query, C: Counters>(
+        &self,
+        i: usize,
+        part: Part,
+        ray: &PreparedRay,
+        query: &mut Q,
+        counters: &mut C,
+    ) -> ControlFlow<()> {
+        let placement = &self.placements[i];
         let object = &self.objects[placement.object as usize];
         let made_of_instances = object.instances().is_some();
         let within = placement.ray(ray, query.t_max());
         let mut stats = TraversalStats::default();
         let mut flow = Continue(());
         let asked = Relay {
+            part,
             ordered: Q::ORDERED,
             mask: query.mask(),
             time: query.time(),

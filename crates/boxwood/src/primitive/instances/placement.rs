@@ -17,6 +17,7 @@ use super::object::Object;
 use crate::geometry::ray::round_down;
 use crate::geometry::{Aabb, Affine, PreparedRay, Ray, Surface, Vec3};
 use crate::math;
+use crate::primitive::PARTS_SLACK;
 
 /// What a ray reads of a placement; 88 bytes.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +61,7 @@ impl Placement {
     /// Of an instance whose transform and whose place are good. The box is not made yet.
     pub fn new(instance: &Instance, object: &Object) -> Result<Self, Flaw> {
         let placement = Self::of(instance)?;
-        let hull = hull(&instance.transform, object);
+        let hull = hull(&instance.transform, object.outline());
         let reach = hull.map_or(0.0, |hull| {
             let ends = hull.iter().flatten();
             ends.fold(0.0, |m, x| if x.abs() <= m { m } else { x.abs() })
@@ -119,40 +120,88 @@ impl Placement {
 
     /// Makes the box, for a world whose largest |coordinate| is between half of `scale` and `scale`.
     pub fn set_bounds(&mut self, transform: &Affine, object: &Object, scale: f64) {
-        let Some([lower, upper]) = hull(transform, object) else {
+        let Some(hull) = hull(transform, object.outline()) else {
             return;
         };
+        let lacking = self.lacking(transform, object, &hull, scale, 1.0);
+        // Both are straight lines over the distance: one end or the other is the worst.
+        let [none, far] = [0.0, REACH * scale].map(lacking);
+        let pad = [0, 1, 2].map(|axis| none[axis].max(far[axis]).clamp(0.0, MOST_PAD * scale));
+        self.bounds = padded(&hull, pad);
+    }
+
+    /// A box in the world around some boxes of the object's, within that of the whole object, for rays from anywhere that meet it with [`PARTS_SLACK`]
+    /// times their slack; `None` where the transform is too uneven for a proof.
+    pub fn part_bounds(
+        &self,
+        transform: &Affine,
+        object: &Object,
+        boxes: &[Aabb],
+        scale: f64,
+    ) -> Option<Aabb> {
+        let Some(hull) = hull(transform, boxes) else {
+            return Some(Aabb::EMPTY);
+        };
+        // A part of the slack is lost to rounding where rays are given it.
+        let lacking = self.lacking(
+            transform,
+            object,
+            &hull,
+            scale,
+            0.875 * f64::from(PARTS_SLACK),
+        );
+        let [none, far, farther] = [0.0, scale, 1.0e12 * scale].map(lacking);
+        // A sum of straight lines and their largest: if it falls at the end, it falls everywhere.
+        let proven = (0..3).all(|k| farther[k] <= far[k] && none[k] <= MOST_PAD * scale);
+        let pad = none.map(|pad| pad.max(0.0));
+        let padded = padded(&hull, pad);
+        // Not the common part of both: where they only touch, that could be empty, and is flat so.
+        let within = |p: Vec3| {
+            let along = |k: usize| p[k].max(self.bounds.lower[k]).min(self.bounds.upper[k]);
+            [along(0), along(1), along(2)]
+        };
+        proven.then(|| Aabb::new(within(padded.lower), within(padded.upper)))
+    }
+
+    /// By how much hits may lie farther from the hull along each axis than so many times the slack of a ray in the world, whose
+    /// origin is so far away.
+    fn lacking(
+        &self,
+        transform: &Affine,
+        object: &Object,
+        [lower, upper]: &[[f64; 3]; 2],
+        scale: f64,
+        slack: f64,
+    ) -> impl Fn(f64) -> [f64; 3] {
         let (forth, back) = (linear(transform), self.inverse());
         let residual = residual(&forth, &back);
         let own = f64::from(object.bounds().scale());
+        let origin = self.origin.map(f64::from);
         // R', for origins of the world whose coordinates are up to `far`.
-        let distance = |far: f64| {
+        let distance = move |far: f64| {
             let row = |r: [f64; 3]| -> f64 {
-                let along = |k: usize| r[k].abs() * (f64::from(self.origin[k]).abs() + far);
+                let along = |k: usize| r[k].abs() * (origin[k].abs() + far);
                 (0..3).map(along).sum()
             };
             back.map(row).into_iter().fold(0.0, f64::max)
         };
         let least = 0.5 * scale;
-        let pad = |axis: usize| {
+        let of_axis = [0, 1, 2].map(|axis: usize| {
             let stretch: f64 = forth[axis].iter().map(|x| x.abs()).sum();
             let displaced: f64 = (0..3)
                 .map(|k| {
-                    let c = f64::from(self.origin[k]);
+                    let c = origin[k];
                     residual[axis][k] * (c - lower[k]).abs().max((upper[k] - c).abs())
                 })
                 .sum();
-            let lacking = |far: f64| {
+            (stretch, displaced)
+        });
+        move |far| {
+            of_axis.map(|(stretch, displaced)| {
                 let off = 35.0 * UNIT * stretch * (own + distance(far)) + displaced;
-                off - 28.0 * UNIT * (least + far)
-            };
-            // Both are straight lines over the distance: one end or the other is the worst.
-            let pad = lacking(0.0).max(lacking(REACH * scale));
-            pad.clamp(0.0, MOST_PAD * scale)
-        };
-        let down = |axis: usize| round_down(lower[axis] - pad(axis));
-        let up = |axis: usize| -round_down(-(upper[axis] + pad(axis)));
-        self.bounds = Aabb::new([down(0), down(1), down(2)], [up(0), up(1), up(2)]);
+                off - slack * 28.0 * UNIT * (least + far)
+            })
+        }
     }
 
     /// A surface of the object's in the world, with error bounds that hold there: those of the object's space, and what
@@ -194,10 +243,10 @@ impl Placement {
     }
 }
 
-/// Around the object in the world, in double precision and without any slack: `[lower, upper]`; `None` for an empty one.
-fn hull(transform: &Affine, object: &Object) -> Option<[[f64; 3]; 2]> {
+/// Around some boxes of an object's in the world, in double precision and without any slack: `[lower, upper]`; `None` for none.
+fn hull(transform: &Affine, boxes: &[Aabb]) -> Option<[[f64; 3]; 2]> {
     let mut hull = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-    for part in object.outline() {
+    for part in boxes {
         for (axis, row) in transform.rows.iter().enumerate() {
             let row = row.map(f64::from);
             let (mut lower, mut upper, mut size) = (row[3], row[3], row[3].abs());
@@ -213,7 +262,14 @@ fn hull(transform: &Affine, object: &Object) -> Option<[[f64; 3]; 2]> {
             hull[1][axis] = hull[1][axis].max(upper + off);
         }
     }
-    (!object.outline().is_empty()).then_some(hull)
+    (!boxes.is_empty()).then_some(hull)
+}
+
+/// A hull that is larger by so much along each axis.
+fn padded([lower, upper]: &[[f64; 3]; 2], pad: [f64; 3]) -> Aabb {
+    let down = |axis: usize| round_down(lower[axis] - pad[axis]);
+    let up = |axis: usize| -round_down(-(upper[axis] + pad[axis]));
+    Aabb::new([down(0), down(1), down(2)], [up(0), up(1), up(2)])
 }
 
 fn linear(transform: &Affine) -> Matrix {

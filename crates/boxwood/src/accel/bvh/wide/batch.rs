@@ -98,7 +98,7 @@ impl<P: Primitives, Q: Query, const N: usize, L: Layout> Kernel<N> for Batch<'_,
                 for i in 0..standing {
                     let place = at_node.slot(i);
                     let slot = &mut slots[place];
-                    slot.step::<S, Q, _>(s, nodes, &mut stacks[place]);
+                    slot.step::<S, Q, _>(s, nodes, bvh.slackened(), &mut stacks[place]);
                     bvh.fetch(slot.current);
                     at_node.push_if(!slot.current.is_leaf(), place);
                     at_leaf.push_if(slot.current.is_leaf(), place);
@@ -166,7 +166,7 @@ impl<const N: usize> Slot<N> {
                 return true;
             }
             if let Some(ray) = PreparedRay::new(ray, bvh.frame.scale) {
-                bvh.plainly(&ray, &mut queries[index], &mut ());
+                bvh.plainly(bvh.root, &ray, &mut queries[index], &mut ());
             }
         }
         false
@@ -178,11 +178,16 @@ impl<const N: usize> Slot<N> {
         &mut self,
         s: S,
         nodes: &[Node<N, B>],
+        slackened: Option<f32>,
         stack: &mut Stack<ROOM>,
     ) {
         let node = &nodes[self.current.index()];
         let top = stack.top::<N>();
-        let ray = WideRay::<S, N>::new(s, self.ray.slab_terms(), self.ray.t_min, self.rows);
+        let terms = match slackened {
+            Some(times) => self.ray.slackened_terms(s, times),
+            None => self.ray.slab_terms(),
+        };
+        let ray = WideRay::<S, N>::new(s, terms, self.ray.t_min, self.rows);
         let (entry, exit) = node.slabs(s, &ray, F::<S, N>::splat(s, self.t_max));
         let below = U::<S, N>::load(s, node.children());
         let (entry, exit, below) = if Q::ORDERED {
@@ -214,11 +219,7 @@ impl<const N: usize> Slot<N> {
             leaning: &self.ray.leaning,
             exact: bvh.precision.is_exact(),
         };
-        let blocks = self.current.blocks();
-        let shown = bvh
-            .leaves
-            .offer::<L, _, _, _, _>(blocks, &bvh.primitives, &at, query, &mut ());
-        match shown {
+        match bvh.offer(self.current, &at, query, &mut ()) {
             Continue(()) => {
                 if query.t_max() < self.t_max {
                     self.t_max = query.t_max();
@@ -231,7 +232,7 @@ impl<const N: usize> Slot<N> {
             Break(Stop::Uncovered) => {
                 // In the world, where primitives want to see it.
                 if let Some(ray) = PreparedRay::new(&self.ray, bvh.frame.scale) {
-                    bvh.plainly(&ray, query, &mut ());
+                    bvh.plainly(bvh.root, &ray, query, &mut ());
                 }
                 self.current = Child::NOTHING;
             }

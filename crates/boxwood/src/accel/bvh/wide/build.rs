@@ -1,7 +1,7 @@
 //! Builders of wide trees by name.
 
 use super::leaf::Leaves;
-use super::{Gathering, Layout, Precision, Quality, WideBvh};
+use super::{Gathering, Layout, Precision, Quality, WideBvh, braid};
 use crate::accel::bvh::tree::BinaryTree;
 use crate::accel::bvh::{BinnedSah, Lbvh, Refine, SpatialSplit};
 use crate::accel::limits::{Limits, unlimited};
@@ -27,6 +27,10 @@ pub struct WideSah<const N: usize> {
     pub axes: Axes,
     /// What is done to the binary tree before it is collapsed.
     pub refine: Refine,
+    /// How many leaves there may be for each placed object, on average, where objects that overlap are opened and lie in the tree part by part; 1
+    /// leaves all of them whole. There are at most 4096 leaves more than objects. Other primitives are always whole. What moves should be: after an
+    /// [update](WideBvh::update) each leaf shows all of its object.
+    pub rebraid: usize,
     /// How the nodes of the binary tree are gathered into wide ones.
     pub gathering: Gathering,
     /// What the tree is walked with.
@@ -42,6 +46,7 @@ impl<const N: usize> Default for WideSah<N> {
             bins: 32,
             axes: Axes::XYZ,
             refine: Refine::NONE,
+            rebraid: 8,
             gathering: Gathering::Optimal,
             isa: Isa::best(),
             precision: Precision::Exact,
@@ -52,17 +57,22 @@ impl<const N: usize> Default for WideSah<N> {
 impl<const N: usize> WideSah<N> {
     /// Raised whenever the same settings make another tree of the same primitives: what is kept under the settings' names, in a cache,
     /// should have this in the name too.
-    pub const REVISION: u32 = 1;
+    pub const REVISION: u32 = 2;
 
     /// What makes parts of the binary tree anew, of whole primitives.
-    pub(super) fn binary(&self) -> BinnedSah {
+    pub(super) fn binary<P: Primitives>(&self) -> BinnedSah {
         BinnedSah {
             bins: self.bins,
-            max_leaf: Leaves::LANES,
-            block: Leaves::LANES,
+            max_leaf: Self::max_leaf::<P>(),
+            block: Self::max_leaf::<P>(),
             axes: self.axes,
             refine: self.refinement(),
         }
+    }
+
+    /// Most primitives in a leaf of the binary tree.
+    fn max_leaf<P: Primitives>() -> usize {
+        if P::COMPOSITE { 1 } else { Leaves::LANES }
     }
 
     /// What is done to the binary tree.
@@ -79,7 +89,7 @@ impl<const N: usize> WideSah<N> {
         primitives: &P,
         limits: &Limits<'_>,
     ) -> Result<BinaryTree, BuildError> {
-        let (axes, refine, max_leaf) = (self.axes, self.refinement(), Leaves::LANES);
+        let (axes, refine, max_leaf) = (self.axes, self.refinement(), Self::max_leaf::<P>());
         match self.quality {
             Quality::Fast => Lbvh {
                 max_leaf,
@@ -88,7 +98,9 @@ impl<const N: usize> WideSah<N> {
                 refine,
             }
             .build_within(primitives, limits),
-            Quality::Balanced | Quality::High => self.binary().build_within(primitives, limits),
+            Quality::Balanced | Quality::High => {
+                self.binary::<P>().build_within(primitives, limits)
+            }
             Quality::Ultra => SpatialSplit {
                 max_leaf,
                 axes,
@@ -133,18 +145,40 @@ where
     ) -> Result<WideBvh<P, N, L>, BuildError> {
         // The tree is the greater part of the work.
         let watch = |share: f32| limits.watch.map_or(Continue(()), |watch| watch(share));
-        let tree = self.tree(
-            &primitives,
-            &Limits {
-                watch: Some(&|share| watch(TREE * share)),
+        let opens = P::COMPOSITE && self.rebraid > 1;
+        let begun = if opens { OPENING } else { 0.0 };
+        let entries = if opens {
+            let opening = Limits {
+                watch: Some(&|share| watch(OPENING * share)),
                 ..*limits
-            },
-        )?;
+            };
+            braid::entries(&primitives, self.axes, self.rebraid, &opening)?
+        } else {
+            None
+        };
+        let memory = limits.memory.map(|most| {
+            let taken = entries.as_ref().map_or(0, braid::Entries::bytes);
+            most.saturating_sub(taken)
+        });
+        let for_tree = Limits {
+            watch: Some(&|share| watch(begun + (TREE - begun) * share)),
+            memory,
+        };
         let rest = Limits {
             watch: Some(&|share| watch(TREE + (1.0 - TREE) * share)),
-            ..*limits
+            memory,
         };
-        Ok(WideBvh::within(primitives, &tree, self.gathering, &rest)?.with_isa(self.isa))
+        let built = match entries {
+            Some(entries) => {
+                let tree = self.tree(&entries, &for_tree)?;
+                WideBvh::braided(self, primitives, entries, &tree, &rest)?
+            }
+            None => {
+                let tree = self.tree(&primitives, &for_tree)?;
+                WideBvh::within(primitives, &tree, self.gathering, &rest)?
+            }
+        };
+        Ok(built.with_isa(self.isa))
     }
 }
 
@@ -197,6 +231,8 @@ impl Value for &mut Precision {
     }
 }
 
+/// Which share of the work is done when placed objects have been opened.
+const OPENING: f32 = 0.25;
 /// Which share of the work is done when the binary tree is.
 const TREE: f32 = 0.75;
 
@@ -209,6 +245,7 @@ macro_rules! named {
                     Setting::new("quality", &mut self.quality),
                     Setting::count("bins", &mut self.bins, 2..=64),
                     Setting::axes(&mut self.axes),
+                    Setting::count("rebraid", &mut self.rebraid, 1..=64),
                     Setting::new("gathering", &mut self.gathering),
                     Setting::new("isa", &mut self.isa),
                     Setting::new("precision", &mut self.precision),

@@ -48,6 +48,7 @@ impl Default for CompactSah {
             refine,
             gathering,
             isa,
+            rebraid: _,
             precision: _,
         } = WideSah::<8>::default();
         Self {
@@ -86,6 +87,8 @@ impl CompactSah {
             refine: self.refine,
             gathering: self.gathering,
             isa: self.isa,
+            // What lies small holds its objects whole.
+            rebraid: 1,
             precision: Precision::Exact,
         };
         wide.laid_out(primitives, limits)

@@ -9,7 +9,7 @@
 use super::collapse::{Wide, collapse};
 use super::leaf::Leaves;
 use super::node::{Child, Node};
-use super::{MAX_LEAF, WideBvh, WideSah};
+use super::{WideBvh, WideSah};
 use crate::accel::BuildError;
 use crate::accel::bvh::MAX_DEPTH;
 use crate::accel::limits::{Limits, Site};
@@ -127,6 +127,7 @@ where
         self.root = whole.root;
         self.nodes = whole.nodes;
         self.leaves = whole.leaves;
+        self.parts = Vec::new();
         self.depth = whole.depth;
     }
 
@@ -147,12 +148,13 @@ where
 
     fn build_part(&self, builder: &WideSah<N>, ids: &[u32]) -> Result<Wide<N>, BuildError> {
         let all = &self.primitives;
-        let mut tree = builder.binary().build(&Part { all, ids });
+        let mut tree = builder.binary::<P>().build(&Part { all, ids });
         for place in &mut tree.order {
             *place = ids[*place as usize];
         }
         let site = Site::new(&Limits::NONE, tree.nodes.len());
-        collapse(all, &tree, &self.frame, MAX_LEAF, builder.gathering, &site)
+        let most = Self::MOST_IN_LEAF;
+        collapse(all, &tree, &self.frame, most, builder.gathering, &site)
     }
 }
 

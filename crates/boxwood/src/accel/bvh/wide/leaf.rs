@@ -5,7 +5,7 @@ use crate::geometry::Aabb;
 use crate::geometry::triangle::block::{BlockRay, LANES, Stop, TriangleBlock};
 use crate::primitive::{self, Foresight, Primitives, Triangles};
 use crate::proximity::Numbered;
-use crate::query::{Counters, Query, each_pair};
+use crate::query::{Counters, Part, Query, each_pair};
 use crate::simd::{Isa, Kernel, Lanes, Pages, Simd, Vectorize, address, words, words_mut};
 use core::mem::MaybeUninit;
 use core::ops::ControlFlow::{self, Break, Continue};
@@ -216,6 +216,15 @@ impl Leaves {
         }
     }
 
+    /// Gives all primitives that are no triangles other numbers.
+    pub fn renumber(&mut self, number: impl Fn(u32) -> u32) {
+        for id in self.ids.as_flattened_mut() {
+            if *id != NONE {
+                *id = number(*id);
+            }
+        }
+    }
+
     /// The primitives in some blocks.
     pub fn ids(&self, blocks: Range<usize>) -> impl Iterator<Item = u32> {
         blocks
@@ -253,6 +262,7 @@ impl Leaves {
         &self,
         blocks: Range<usize>,
         primitives: &P,
+        parts: &[Part],
         at: &BlockRay<'_, S>,
         query: &mut Q,
         counters: &mut C,
@@ -273,6 +283,16 @@ impl Leaves {
                 }
             }
         } else {
+            // One that lies alone has the box that the ray was found to meet.
+            if P::COMPOSITE
+                && blocks.len() == 1
+                && let [id, NONE, ..] = self.ids[blocks.start]
+            {
+                let (id, part) = (id as usize, parts.get(blocks.start).copied());
+                let part = part.unwrap_or(Part::ALL);
+                return primitive::offer_part(primitives, id, part, at.ray, query, counters)
+                    .map_break(|()| Stop::Enough);
+            }
             for block in &self.ids[blocks] {
                 for &id in block {
                     if id == NONE {

@@ -2,7 +2,7 @@
 //!
 //! *How it works.* `collapse` makes `N` children of two, at the least expected cost; `node` holds eight rows of `N` words and
 //! meets its boxes in lanes; `leaf` holds triangles lane by lane, or numbers of anything else; `traverse` is the one loop,
-//! compiled for every instruction set, and `scalar` the same box by box; `hierarchy` shows the nodes to questions about space;
+//! compiled for every instruction set, and `scalar` the same box by box; `braid` opens placed objects that overlap; `hierarchy` shows the nodes to questions about space;
 //! `saved` puts trees into files, and `validate` looks at those that come from there.
 //!
 //! Nodes and leaves lie in one of two ways (`layout`): as `boxes` of floats and corners, or `quantised` and as numbers; all that walks knows of it
@@ -19,6 +19,7 @@
 
 mod batch;
 mod boxes;
+mod braid;
 mod build;
 mod collapse;
 mod compact;
@@ -56,17 +57,18 @@ use crate::accel::bvh::refine;
 use crate::accel::bvh::tree::BinaryTree;
 use crate::accel::limits::{Limits, Site, unlimited};
 use crate::geometry::frame::Frame;
-use crate::geometry::triangle::block::Stop;
+use crate::geometry::triangle::block::{BlockRay, Stop};
 use crate::geometry::{Aabb, PreparedRay, Ray};
 use crate::inspect::{self, Cell, Statistics, TreeFlaw};
-use crate::primitive::{self, Primitives};
-use crate::query::{Counters, Query, Traverse};
-use crate::simd::{Isa, Level, Pages, Portable, Vectorize, exactly};
+use crate::primitive::{self, PARTS_SLACK, Primitives};
+use crate::query::{Counters, Part, Query, Traverse};
+use crate::simd::{Isa, Lanes, Level, Pages, Portable, Vectorize, exactly};
 use alloc::vec;
+use alloc::vec::Vec;
 use boxes::Boxes;
 use collapse::{Wide, collapse};
 use core::mem;
-use core::ops::ControlFlow::Break;
+use core::ops::ControlFlow::{self, Break};
 use leaf::Leaves;
 use node::{Child, Node};
 use packet::Outcome;
@@ -110,14 +112,13 @@ pub struct WideBvh<P, const N: usize, L: Layout = Full> {
     leaves: Leaves,
     /// Whether some primitives lie in several leaves, each of which holds a part of them.
     cut: bool,
+    /// Which part of its primitive each block of the leaves holds, where primitives were opened; else nothing.
+    parts: Vec<Part>,
     isa: Isa,
     precision: Precision,
     /// How many nodes lie above the deepest leaf.
     depth: usize,
 }
-
-/// Most primitives that are brought together into one leaf, unless the binary tree has larger ones.
-const MAX_LEAF: usize = 2 * Leaves::LANES;
 
 impl<P: Primitives + Sync, const N: usize> WideBvh<P, N>
 where
@@ -183,9 +184,11 @@ where
         site.take(given);
         let bounds = tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds);
         let frame = Self::frame_of(&bounds);
-        let wide: Wide<N, L> = collapse(&primitives, tree, &frame, MAX_LEAF, gathering, &site)?;
+        let most = Self::MOST_IN_LEAF;
+        let wide: Wide<N, L> = collapse(&primitives, tree, &frame, most, gathering, &site)?;
         site.finish(Self {
             cut: tree.order.len() > primitives.len(),
+            parts: Vec::new(),
             bounds,
             frame,
             primitives,
@@ -200,6 +203,9 @@ where
 }
 
 impl<P: Primitives, const N: usize, L: Layout> WideBvh<P, N, L> {
+    /// Most primitives that are brought together into one leaf, unless the binary tree has larger ones.
+    const MOST_IN_LEAF: usize = if P::COMPOSITE { 1 } else { 2 * Leaves::LANES };
+
     /// From where the boxes of such a scene are seen.
     fn frame_of(bounds: &Aabb) -> Frame {
         if P::TRIANGLES {
@@ -242,17 +248,53 @@ impl<P: Primitives, const N: usize> WideBvh<P, N> {
         };
         Self { precision, ..self }
     }
+
+    /// Whether the tree holds some placed objects part by part ([`WideSah::rebraid`]). Such a tree can be [saved](Self::save), but not opened:
+    /// what is missing of its objects' boxes, their own structures alone can tell.
+    pub fn has_parts(&self) -> bool {
+        !self.parts.is_empty()
+    }
 }
 
 impl<P: Primitives, const N: usize, L: Layout> WideBvh<P, N, L> {
+    /// By how many times the slack a ray meets boxes, where it is more than once.
+    #[inline(always)]
+    fn slackened(&self) -> Option<f32> {
+        (P::COMPOSITE && !self.parts.is_empty()).then_some(PARTS_SLACK)
+    }
+
+    /// Which part of its primitive a block of the leaves holds.
+    fn part(&self, block: usize) -> Part {
+        self.parts.get(block).copied().unwrap_or(Part::ALL)
+    }
+
+    /// Shows the primitives in a leaf to the query.
+    #[inline(always)]
+    fn offer<S: Lanes<{ Leaves::LANES }>, Q: Query, C: Counters>(
+        &self,
+        leaf: Child,
+        at: &BlockRay<'_, S>,
+        query: &mut Q,
+        counters: &mut C,
+    ) -> ControlFlow<Stop> {
+        let (blocks, primitives) = (leaf.blocks(), &self.primitives);
+        (self.leaves).offer::<L, _, _, _, _>(blocks, primitives, &self.parts, at, query, counters)
+    }
+
     /// One box after the other, for any ray.
-    fn plainly<Q: Query, C: Counters>(&self, ray: &PreparedRay, query: &mut Q, counters: &mut C) {
+    fn plainly<Q: Query, C: Counters>(
+        &self,
+        from: Child,
+        ray: &PreparedRay,
+        query: &mut Q,
+        counters: &mut C,
+    ) {
         // Where primitives are cut, a leaf's box holds a part of each, but a ray outside the doors may hit it anywhere in
         // its own box.
         if self.cut && !ray.is_tame() {
             primitive::offer_all(&self.primitives, ray, query, counters);
         } else {
-            scalar::walk(self, ray, query, counters);
+            scalar::walk(self, from, ray, query, counters);
         }
     }
 }
@@ -288,7 +330,7 @@ where
             let (together, rest) = rest.split_at_mut(end - apart);
             for i in packet.found.take_uncovered() {
                 if let Some(ray) = PreparedRay::new(&rays[apart + i], self.frame.scale) {
-                    self.plainly(&ray, &mut together[i], &mut ());
+                    self.plainly(self.root, &ray, &mut together[i], &mut ());
                 }
             }
             if outcome == Outcome::Loose {
@@ -302,6 +344,16 @@ where
             (rays, queries, apart) = (&rays[end..], rest, 0);
         }
         self.apart(rays, queries);
+    }
+
+    /// Where a part is.
+    #[inline(always)]
+    fn place(&self, part: Part) -> Child {
+        if part == Part::ALL {
+            self.root
+        } else {
+            Child(part.number())
+        }
     }
 
     fn apart<Q: Query>(&self, rays: &[Ray], queries: &mut [Q]) {
@@ -335,7 +387,7 @@ where
     fn statistics(&self) -> Statistics {
         let blocks = self.leaves.len() * Leaves::block_bytes(L::has_corners::<P>());
         Statistics {
-            bytes: size_of_val(&*self.nodes) + blocks,
+            bytes: size_of_val(&*self.nodes) + blocks + size_of_val(&*self.parts),
             ..Statistics::of_cells(self.primitives.len(), self.bounds, |show| self.cells(show))
         }
     }
@@ -367,15 +419,39 @@ where
         }
     }
 
+    fn parts(&self, of: Part, show: &mut dyn FnMut(Aabb, Part)) {
+        let child = self.place(of);
+        // Of cut primitives a part is in several leaves, and to enter boxes of parts within parts takes more slack than there is.
+        if self.cut || child.is_leaf() {
+            return;
+        }
+        for (_, bounds, below) in self.nodes[child.index()].slots() {
+            show(self.frame.in_world(&bounds), Part::new(below.0));
+        }
+    }
+
     #[inline]
     fn traverse<Q: Query, C: Counters>(&self, ray: &Ray, query: &mut Q, counters: &mut C) {
-        if self.root == Child::NOTHING {
+        self.traverse_part(Part::ALL, ray, query, counters);
+    }
+
+    #[inline]
+    fn traverse_part<Q: Query, C: Counters>(
+        &self,
+        part: Part,
+        ray: &Ray,
+        query: &mut Q,
+        counters: &mut C,
+    ) {
+        let from = self.place(part);
+        if from == Child::NOTHING {
             return;
         }
         // Of the two loops only one is compiled for a kind of counters.
         if !C::EXPLAINS {
             let one = traverse::One {
                 bvh: self,
+                from,
                 ray,
                 query,
                 counters,
@@ -391,7 +467,7 @@ where
             }
         }
         if let Some(ray) = PreparedRay::new(ray, self.frame.scale) {
-            self.plainly(&ray, query, counters);
+            self.plainly(from, &ray, query, counters);
         }
     }
 

@@ -68,6 +68,8 @@ where
     /// Changes the primitives; the tree does not fit afterwards.
     pub(super) fn change<A>(&mut self, change: impl FnOnce(&mut P) -> A) -> A {
         let count = self.primitives.len();
+        // They name parts of what there was.
+        self.parts = Vec::new();
         let answer = change(&mut self.primitives);
         assert_eq!(self.primitives.len(), count, "a tree for other primitives");
         answer

@@ -14,11 +14,12 @@ use alloc::vec::Vec;
 #[cold]
 pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize, L: Layout>(
     bvh: &WideBvh<P, N, L>,
+    from: Child,
     ray: &PreparedRay,
     query: &mut Q,
     counters: &mut C,
 ) {
-    let sight = Sight::new(ray, &bvh.frame);
+    let sight = Sight::new(ray, &bvh.frame, bvh.slackened().unwrap_or(1.0));
     let root = bvh.frame.seen(&bvh.bounds);
     let slabs = sight.slabs(&root);
     let (enter, t_max) = (slabs.0, query.t_max());
@@ -36,7 +37,7 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize, L: Layout>(
     // Far to near; the last one comes next.
     let mut stack = Vec::new();
     if entered {
-        stack.push((enter, 0, bvh.root));
+        stack.push((enter, 0, from));
     }
     let mut direct = true;
     while let Some((enter, number, child)) = stack.pop() {
@@ -62,9 +63,13 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize, L: Layout>(
                     primitives: bvh.leaves.ids(child.blocks()).count() as u32,
                 });
             }
-            for id in bvh.leaves.ids(child.blocks()) {
-                if primitive::offer(&bvh.primitives, id as usize, ray, query, counters).is_break() {
-                    return;
+            for block in child.blocks() {
+                for id in bvh.leaves.ids(block..block + 1) {
+                    let (primitives, id, part) = (&bvh.primitives, id as usize, bvh.part(block));
+                    if primitive::offer_part(primitives, id, part, ray, query, counters).is_break()
+                    {
+                        return;
+                    }
                 }
             }
             continue;
@@ -123,8 +128,9 @@ struct Sight<'a> {
 }
 
 impl<'a> Sight<'a> {
-    fn new(ray: &PreparedRay, frame: &'a Frame) -> Self {
-        match PreparedRay::tame(Portable, ray, frame, PreparedRay::SLACK) {
+    /// With so many times the slack.
+    fn new(ray: &PreparedRay, frame: &'a Frame, times: f32) -> Self {
+        match PreparedRay::tame(Portable, ray, frame, times * PreparedRay::SLACK) {
             Some((ray, _)) => Self { ray, frame: None },
             None => Self {
                 ray: *ray,

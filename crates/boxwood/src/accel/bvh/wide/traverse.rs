@@ -18,6 +18,8 @@ const ROOM: usize = Stack::<0>::room(64, 16);
 /// One ray through the door.
 pub struct One<'a, P, Q, C, const N: usize, L: Layout> {
     pub bvh: &'a WideBvh<P, N, L>,
+    /// Where it begins.
+    pub from: Child,
     pub ray: &'a Ray,
     pub query: &'a mut Q,
     pub counters: &'a mut C,
@@ -31,7 +33,13 @@ impl<P: Primitives, Q: Query, C: Counters, const N: usize, L: Layout> Kernel<N>
     fn run<S: Simd + Lanes<N>>(self, s: S) -> ControlFlow<Stop> {
         let slack = self.bvh.precision.slack();
         match PreparedRay::tame(s, self.ray, &self.bvh.frame, slack) {
-            Some((ray, facing)) => walk(s, self.bvh, &ray, &facing, self.query, self.counters),
+            Some((ray, facing)) => {
+                let facing = match self.bvh.slackened() {
+                    Some(times) => facing.slackened(s, times),
+                    None => facing,
+                };
+                walk(s, self, &ray, &facing)
+            }
             None => Break(Stop::Uncovered),
         }
     }
@@ -45,11 +53,15 @@ impl<P: Primitives, Q: Query, C: Counters, const N: usize, L: Layout> Kernel<N>
 #[inline(always)]
 fn walk<S, P, Q, C, const N: usize, L>(
     s: S,
-    bvh: &WideBvh<P, N, L>,
+    One {
+        bvh,
+        from,
+        query,
+        counters,
+        ..
+    }: One<'_, P, Q, C, N, L>,
     ray: &PreparedRay,
     facing: &Facing<S>,
-    query: &mut Q,
-    counters: &mut C,
 ) -> ControlFlow<Stop>
 where
     S: Simd + Lanes<N>,
@@ -66,7 +78,7 @@ where
     let exact = bvh.precision.is_exact();
     let mut t_max = F::<S, N>::splat(s, query.t_max());
     let mut stack = Stack::<ROOM>::new();
-    let mut current = bvh.root;
+    let mut current = from;
     loop {
         while !current.is_leaf() {
             counters.node();
@@ -101,13 +113,7 @@ where
             leaning,
             exact,
         };
-        (bvh.leaves).offer::<L, _, _, _, _>(
-            current.blocks(),
-            &bvh.primitives,
-            &at,
-            query,
-            counters,
-        )?;
+        bvh.offer(current, &at, query, counters)?;
         t_max = F::<S, N>::splat(s, query.t_max());
         match next(&mut stack, query) {
             Some(child) => current = child,

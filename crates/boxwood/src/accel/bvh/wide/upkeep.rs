@@ -95,6 +95,14 @@ const COPY: f64 = 4.0;
 /// Parts of fewer blocks are not worth the while.
 const LEAST: u32 = 64;
 
+/// The builder of trees in which what moves is whole.
+fn whole<const N: usize>(builder: WideSah<N>) -> WideSah<N> {
+    WideSah {
+        rebraid: 1,
+        ..builder
+    }
+}
+
 impl<P: Primitives + Sync, const N: usize> Upkeep<P, N>
 where
     Level: Vectorize<N>,
@@ -104,7 +112,7 @@ where
     /// # Panics
     /// When there are more than a quarter of a billion primitives.
     pub fn new(primitives: P, builder: WideSah<N>, rays: f64) -> Self {
-        Self::of(builder.build(primitives), builder, rays)
+        Self::of(whole(builder).build(primitives), builder, rays)
     }
 
     /// Takes a tree from elsewhere; what is built anew is built by the builder.
@@ -112,7 +120,7 @@ where
         let mut kept = Self {
             rays,
             bvh,
-            builder,
+            builder: whole(builder),
             past: Vec::new(),
             built: 0.0,
             fitting: Fitting::default(),

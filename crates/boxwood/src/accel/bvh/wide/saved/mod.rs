@@ -267,6 +267,7 @@ where
             nodes: Pages::zeroed(nodes).ok_or_else(|| no_memory.clone())?,
             leaves: Leaves::zeroed(P::TRIANGLES, blocks).ok_or(no_memory.clone())?,
             cut: header.cut == 1,
+            parts: Vec::new(),
             isa: Isa::best(),
             precision: Precision::Exact,
             depth: header.depth as usize,
