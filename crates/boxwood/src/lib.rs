@@ -45,8 +45,8 @@ pub use accel::boxes::{BoundingBoxes, ObjectBoxes};
 pub use accel::brute_force::BruteForce;
 pub use accel::bsp_tree::{BspData, BspSah, BspTree};
 pub use accel::bvh::{
-    BinaryTree, BinnedSah, Bvh, Decision, EqualCounts, Gathering, Lbvh, Median, Middle, OpenError,
-    Ploc, Precision, Quality, Refine, SavedError, SpatialSplit, SweepSah, UnknownQuality, Updated,
+    BinaryTree, BinnedSah, Bvh, Decision, EqualCounts, Forecast, Gathering, Job, Lbvh, Median, Middle, OpenError,
+    Ploc, Precision, Quality, Refine, SavedError, SpatialSplit, Survey, SweepSah, UnknownQuality, Updated,
     Upkeep, WideBvh, WideSah,
 };
 pub use accel::grid::{Density, GridBuilder, UniformGrid};

@@ -14,7 +14,7 @@
 
 mod planes;
 
-use super::sweep::{Block, Cut, Slot, cheapest_cut};
+use super::sweep::{Block, Cut, MAX_BLOCK, Slot, cheapest_cut};
 use super::top_down::{Divide, Divided, grow, work};
 use super::{BYTES_EACH, BinaryTree, Item, Sides, items};
 use crate::accel::bvh::refine::Refine;
@@ -38,8 +38,14 @@ pub struct SpatialSplit {
     pub alpha: f32,
     /// Planes per axis, and one more, 2 to 64.
     pub bins: usize,
+    /// Which part of the cost of the cheapest cut between references a plane must save, 0 to 1: references cost more than the
+    /// heuristic knows of, in memory and in leaves that are opened twice.
+    pub gain: f32,
     /// Most references in a leaf, 1 to [`MAX_LEAF`].
     pub max_leaf: usize,
+    /// How many primitives the structure tests at once, 1 to 16, rounded up to a power of two: cuts that leave no places
+    /// empty are then preferred.
+    pub block: usize,
     /// The axes that may be divided.
     pub axes: Axes,
     /// What is done to the tree afterwards.
@@ -55,7 +61,9 @@ impl Default for SpatialSplit {
             budget: 1.3,
             alpha: 3.0e-4,
             bins: 8,
+            gain: 0.0,
             max_leaf: 8,
+            block: 1,
             axes: Axes::XYZ,
             refine: Refine::NONE,
         }
@@ -63,6 +71,20 @@ impl Default for SpatialSplit {
 }
 
 impl SpatialSplit {
+    /// The most references that there may be to so many primitives.
+    fn most_references(&self, count: usize) -> usize {
+        // Numbers of places and nodes have 32 bits.
+        let most = (f64::from(self.budget.clamp(1.0, MAX_BUDGET)) * count as f64) as usize;
+        most.min(u32::MAX as usize / 2).max(count)
+    }
+
+    /// The bytes that so many primitives take while their tree is built.
+    pub(crate) fn bytes(&self, count: usize) -> usize {
+        // A node's references and those of its sides exist at once.
+        let bytes = BYTES_EACH + 2 * size_of::<Item>();
+        bytes.saturating_mul(self.most_references(count))
+    }
+
     fn tree(
         &self,
         primitives: &(impl Primitives + Sync),
@@ -70,17 +92,14 @@ impl SpatialSplit {
     ) -> Result<BinaryTree, BuildError> {
         let count = primitives.len();
         let site = Site::new(limits, work(count, self.refine));
-        // Numbers of places and nodes have 32 bits.
-        let most = (f64::from(self.budget.clamp(1.0, MAX_BUDGET)) * count as f64) as usize;
-        let most = most.min(u32::MAX as usize / 2).max(count);
-        // A node's references and those of its sides exist at once.
-        let bytes = BYTES_EACH + 2 * size_of::<Item>();
-        if count == 0 || !site.take(bytes.saturating_mul(most)) {
+        let most = self.most_references(count);
+        if count == 0 || !site.take(self.bytes(count)) {
             return site.finish(BinaryTree::default());
         }
         let references = items(primitives);
         let bounds = Item::around(&references);
         let splitter = Splitter {
+            block: Block::of(self.block.clamp(1, MAX_BLOCK)),
             settings: Self {
                 bins: self.bins.clamp(2, MAX_BINS),
                 max_leaf: self.max_leaf.clamp(1, MAX_LEAF),
@@ -103,6 +122,7 @@ impl SpatialSplit {
 
 struct Splitter<'p, P> {
     settings: SpatialSplit,
+    block: Block,
     least_overlap: f32,
     space: Space,
     primitives: &'p P,
@@ -150,7 +170,7 @@ impl<P: Primitives + Sync> Splitter<'_, P> {
             keys.clear();
             keys.extend((0..).zip(items).map(|(i, item)| item.key(axis, i)));
             keys.sort_unstable();
-            let cut = cheapest_cut(items.len(), u32::MAX, Block::ONE, behind, |i| Slot {
+            let cut = cheapest_cut(items.len(), u32::MAX, self.block, behind, |i| Slot {
                 sides: items[keys[i] as u32 as usize].sides(),
                 begin: 1,
                 end: 1,
@@ -206,7 +226,7 @@ impl<P: Primitives + Sync> Divide for Splitter<'_, P> {
             && part.spare > 0
             && bounds[0].intersection(bounds[1]).half_area() > self.least_overlap
             && let Some(plane) = self.best_plane(&part)
-            && plane.cut.cost < cost
+            && plane.cut.cost < (1.0 - self.settings.gain) * cost
         {
             spatial = self.cut_at(&part, &plane);
             if spatial.is_some() {
@@ -244,7 +264,9 @@ bvh_builder!(
         Setting::real("budget", &mut builder.budget, 1.0..=MAX_BUDGET),
         Setting::real("alpha", &mut builder.alpha, 0.0..=1.0),
         Setting::count("bins", &mut builder.bins, 2..=MAX_BINS),
+        Setting::real("gain", &mut builder.gain, 0.0..=1.0),
         Setting::count("leaf", &mut builder.max_leaf, 1..=MAX_LEAF),
+        Setting::count("block", &mut builder.block, 1..=MAX_BLOCK),
         Setting::axes(&mut builder.axes),
     ],
     +refine

@@ -88,13 +88,28 @@ impl<const N: usize> WideSah<N> {
             }
             .build_within(primitives, limits),
             Quality::Balanced | Quality::High => self.binary().build_within(primitives, limits),
-            Quality::Ultra => SpatialSplit {
-                max_leaf,
-                axes,
-                refine,
-                ..SpatialSplit::default()
-            }
-            .build_within(primitives, limits),
+            Quality::Ultra => self.with_splits().build_within(primitives, limits),
+        }
+    }
+
+    /// What makes the binary tree of the highest quality.
+    fn with_splits(&self) -> SpatialSplit {
+        SpatialSplit {
+            max_leaf: Leaves::LANES,
+            block: Leaves::LANES,
+            axes: self.axes,
+            refine: self.refinement(),
+            ..SpatialSplit::default()
+        }
+    }
+
+    /// The bytes that so many primitives take at the worst moment of a build: the binary tree's, which is larger than a wide one and what
+    /// collapsing takes.
+    pub(super) fn peak_bytes(&self, count: usize) -> usize {
+        match self.quality {
+            Quality::Fast => Lbvh::bytes(count),
+            Quality::Balanced | Quality::High => BinnedSah::bytes(count),
+            Quality::Ultra => self.with_splits().bytes(count),
         }
     }
 }

@@ -48,6 +48,8 @@ pub fn collapse<P: Primitives + Sync, const N: usize>(
     site: &Site<'_>,
 ) -> Result<Wide<N>, BuildError> {
     let plan = Plan::new(primitives, tree, max_leaf, gathering, site);
+    let scripts = SCRIPT_BYTES_EACH * tree.nodes.len();
+    site.take(scripts);
     if tree.nodes.is_empty() || site.is_over() {
         return Ok(Wide::nothing());
     }
@@ -59,7 +61,7 @@ pub fn collapse<P: Primitives + Sync, const N: usize>(
         site,
     };
     let wide = collapse.grow();
-    site.give(collapse.plan.bytes());
+    site.give(collapse.plan.bytes() + scripts);
     wide
 }
 
@@ -81,6 +83,10 @@ struct Size {
     /// Where there is less: how many children each node has that the subtree becomes, and which, from the root down.
     script: Vec<u32>,
 }
+
+/// What scripts take at most for each node of the binary tree: wide nodes and leaves come to no more than there are nodes, wide nodes
+/// to half as many, and lists grow by doubling.
+const SCRIPT_BYTES_EACH: usize = 3 * size_of::<u32>();
 
 /// Subtrees of fewer primitives are written by one thread.
 const MUCH: usize = 8192;

@@ -175,7 +175,12 @@ impl Leaves {
 
     /// The bytes of one block.
     pub fn block_bytes<P: Primitives>() -> usize {
-        if P::TRIANGLES {
+        Self::bytes_of_block(P::TRIANGLES)
+    }
+
+    /// The same, of triangles or of anything else.
+    pub fn bytes_of_block(triangles: bool) -> usize {
+        if triangles {
             size_of::<TriangleBlock>()
         } else {
             size_of::<[u32; LANES]>()

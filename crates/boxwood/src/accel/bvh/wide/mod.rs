@@ -2,7 +2,7 @@
 //!
 //! *How it works.* `collapse` makes `N` children of two, at the least expected cost; `node` holds eight rows of `N` words and
 //! meets its boxes in lanes; `leaf` holds triangles lane by lane, or numbers of anything else; `traverse` is the one loop,
-//! compiled for every instruction set, and `scalar` the same box by box; `hierarchy` shows the nodes to questions about space;
+//! compiled for every instruction set, and `scalar` the same box by box; `job` says before a build which quality it is worth; `hierarchy` shows the nodes to questions about space;
 //! `saved` puts trees into files, and `validate` looks at those that come from there.
 //!
 //! Boxes of triangles are stored as seen from the middle of a scene that stands far from the world's origin (`geometry/frame.rs`); triangles
@@ -19,6 +19,7 @@ mod collapse;
 mod gathering;
 mod graft;
 mod hierarchy;
+mod job;
 mod leaf;
 mod node;
 mod packet;
@@ -34,6 +35,7 @@ mod validate;
 
 pub use build::WideSah;
 pub use gathering::{Gathering, UnknownGathering};
+pub use job::{Forecast, Job, Survey};
 pub use precision::{Precision, UnknownPrecision};
 pub use quality::{Quality, UnknownQuality};
 #[doc(hidden)]
@@ -159,9 +161,8 @@ where
         };
         // Every node is looked at twice: when it is weighed, and when it finds its place.
         let site = Site::new(limits, tree.nodes.len());
-        let given = size_of_val(&*tree.nodes) + size_of_val(&*tree.order);
         // Where there is no room for it, the build is over, and `finish` says so.
-        site.take(given);
+        site.take(tree.bytes());
         let bounds = tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds);
         let frame = Self::frame_of(&bounds);
         let wide = collapse::collapse(&primitives, tree, &frame, MAX_LEAF, gathering, &site)?;
