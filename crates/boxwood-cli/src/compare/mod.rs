@@ -118,10 +118,7 @@ struct Job<'a> {
 struct Candidate<'a>(StructureKind, Result<Built<'a>, String>);
 
 impl Job<'_> {
-    fn report(
-        &self,
-        camera_name: Option<String>,
-    ) -> Outcome<(Report, Option<views::Pictures>)> {
+    fn report(&self, camera_name: Option<String>) -> Outcome<(Report, Option<views::Pictures>)> {
         let (workloads, image) = self.record()?;
         let mut report = Report {
             format_version: report::FORMAT_VERSION,

@@ -51,13 +51,18 @@ pub fn figure(report: &Report, places: &[Place]) -> String {
             .map(|&n| format!("{:.1},{:.1}", x.at(n), y.at(total(n))))
             .collect();
         let points = points.join(" ");
-        let _ = write!(svg, r#"<polyline class="curve {class}" points="{points}"/>"#);
+        let _ = write!(
+            svg,
+            r#"<polyline class="curve {class}" points="{points}"/>"#
+        );
     };
     for (i, place) in drawn.iter().enumerate() {
         let colour = i % COLOURS;
         curve(&mut svg, &format!("c{colour}"), &|n| place.total(n));
         if let Some((_, forecast)) = expected.iter().find(|(of, _)| of == place) {
-            curve(&mut svg, &format!("c{colour} dashed"), &|n| forecast.total(n));
+            curve(&mut svg, &format!("c{colour} dashed"), &|n| {
+                forecast.total(n)
+            });
         }
         let left = frame.left + (i % 2) as f64 * 236.0;
         let at = 10.0 + 16.0 * (i / 2) as f64;

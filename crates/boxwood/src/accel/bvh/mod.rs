@@ -25,7 +25,7 @@ pub use {
     refine::Refine,
     tree::{BinaryNode, BinaryTree, MAX_DEPTH, MAX_LEAF},
     wide::{
-        Decision, Forecast, Gathering, Job, OpenError, Precision, Quality, SavedError, Survey, UnknownGathering,
-        UnknownPrecision, UnknownQuality, Updated, Upkeep, WideBvh, WideSah,
+        Decision, Forecast, Gathering, Job, OpenError, Precision, Quality, SavedError, Survey,
+        UnknownGathering, UnknownPrecision, UnknownQuality, Updated, Upkeep, WideBvh, WideSah,
     },
 };

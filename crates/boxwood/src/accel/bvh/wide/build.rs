@@ -1,7 +1,7 @@
 //! Builders of wide trees by name.
 
 use super::leaf::Leaves;
-use super::{Gathering, Precision, Quality, WideBvh};
+use super::{Gathering, Precision, Quality, Survey, WideBvh};
 use crate::accel::bvh::tree::BinaryTree;
 use crate::accel::bvh::{BinnedSah, Lbvh, Refine, SpatialSplit};
 use crate::accel::limits::{Limits, unlimited};
@@ -9,7 +9,7 @@ use crate::accel::settings::{Setting, Settings, Value};
 use crate::accel::{Axes, BuildError};
 use crate::primitive::Primitives;
 use crate::query::Intersect;
-use crate::simd::{Isa, Level, Vectorize};
+use crate::simd::{Isa, Level, Vectorize, exactly};
 use alloc::boxed::Box;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -21,7 +21,7 @@ use core::ops::ControlFlow::Continue;
 pub struct WideSah<const N: usize> {
     /// What makes the binary tree.
     pub quality: Quality,
-    /// Bins per axis, 2 to 64, of the qualities that have them but the highest.
+    /// Bins per axis, 2 to 64, of all qualities but the lowest.
     pub bins: usize,
     /// The axes that may be divided.
     pub axes: Axes,
@@ -52,7 +52,7 @@ impl<const N: usize> Default for WideSah<N> {
 impl<const N: usize> WideSah<N> {
     /// Raised whenever the same settings make another tree of the same primitives: what is kept under the settings' names, in a cache,
     /// should have this in the name too.
-    pub const REVISION: u32 = 1;
+    pub const REVISION: u32 = 2;
 
     /// What makes parts of the binary tree anew, of whole primitives.
     pub(super) fn binary(&self) -> BinnedSah {
@@ -87,14 +87,17 @@ impl<const N: usize> WideSah<N> {
                 refine,
             }
             .build_within(primitives, limits),
-            Quality::Balanced | Quality::High => self.binary().build_within(primitives, limits),
-            Quality::Ultra => self.with_splits().build_within(primitives, limits),
+            Quality::Ultra if exactly(|| Survey::of(primitives)).splits_pay() => {
+                self.with_splits().build_within(primitives, limits)
+            }
+            _ => self.binary().build_within(primitives, limits),
         }
     }
 
-    /// What makes the binary tree of the highest quality.
+    /// What makes the binary tree of the highest quality where splits pay.
     fn with_splits(&self) -> SpatialSplit {
         SpatialSplit {
+            object_bins: self.bins,
             max_leaf: Leaves::LANES,
             block: Leaves::LANES,
             axes: self.axes,
@@ -103,13 +106,14 @@ impl<const N: usize> WideSah<N> {
         }
     }
 
-    /// The bytes that so many primitives take at the worst moment of a build: the binary tree's, which is larger than a wide one and what
+    /// The bytes that primitives take at the worst moment of a build: the binary tree's, which is larger than a wide one and what
     /// collapsing takes.
-    pub(super) fn peak_bytes(&self, count: usize) -> usize {
+    pub(super) fn peak_bytes(&self, survey: &Survey) -> usize {
+        let count = survey.primitives;
         match self.quality {
             Quality::Fast => Lbvh::bytes(count),
-            Quality::Balanced | Quality::High => BinnedSah::bytes(count),
-            Quality::Ultra => self.with_splits().bytes(count),
+            Quality::Ultra if survey.splits_pay() => self.with_splits().bytes(count),
+            _ => BinnedSah::bytes(count),
         }
     }
 }

@@ -117,6 +117,7 @@ impl Survey {
             }
             (around, boxes, own)
         };
+        // Each chunk computes exactly; the few sums that follow are in double precision.
         let chunks = pieces::each(count.div_ceil(CHUNK), some);
         let (mut around, mut boxes, mut own) = (Aabb::EMPTY, 0.0, 0.0);
         for chunk in chunks {
@@ -135,6 +136,17 @@ impl Survey {
             boxes_met,
             primitives_met: share(own).min(boxes_met),
         }
+    }
+}
+
+/// So many boxes must be entered in vain for spatial splits to pay: they spare some of these, but their upper nodes suit long random
+/// lines more than rays that stay near some small thing.
+const IN_VAIN: f64 = 5.0;
+
+impl Survey {
+    /// Whether primitives are so long that cutting them is worth more than it costs.
+    pub(super) fn splits_pay(&self) -> bool {
+        self.boxes_met - self.primitives_met > IN_VAIN
     }
 }
 
@@ -232,7 +244,11 @@ const NEAR: f64 = 1e6;
 impl Quality {
     /// What a wide tree of `N` children takes in this quality, other settings being the default ones.
     pub fn forecast<const N: usize>(self, survey: &Survey, threads: usize) -> Forecast {
-        let cost = &COSTS[self as usize];
+        let made_as = match self {
+            Self::Ultra if !survey.splits_pay() => Self::High,
+            _ => self,
+        };
+        let cost = &COSTS[made_as as usize];
         let count = survey.primitives as f64;
         let halvings = count.max(1.0).log2();
         let alone = cost.alone + (1.0 - cost.alone) / threads.max(1) as f64;
@@ -250,7 +266,7 @@ impl Quality {
             quality: self,
             build_seconds: build * 1e-9,
             ray_seconds: ray * 1e-9,
-            peak_bytes: WideSah::<N>::of(self).peak_bytes(survey.primitives),
+            peak_bytes: WideSah::<N>::of(self).peak_bytes(survey),
             resident_bytes: resident as usize,
         }
     }
@@ -351,7 +367,11 @@ mod tests {
         };
         for (factor, sooner) in [(0.9, first), (1.1, last)] {
             let job = job(factor * crossing);
-            assert!([first, last].iter().all(|f| f.total(&job) >= sooner.total(&job)));
+            assert!(
+                [first, last]
+                    .iter()
+                    .all(|f| f.total(&job) >= sooner.total(&job))
+            );
         }
         assert_eq!(last.overtaken_by(first, 2), None);
     }
@@ -406,7 +426,10 @@ mod tests {
                 ..Job::default()
             };
             let plan = job.plan::<16>(&survey);
-            assert!(plan.total(&job) >= 0.0 && plan.ray_seconds > 0.0, "{plan:?}");
+            assert!(
+                plan.total(&job) >= 0.0 && plan.ray_seconds > 0.0,
+                "{plan:?}"
+            );
         }
     }
 }
