@@ -74,10 +74,7 @@ fn presets() -> impl Iterator<Item = StructureKind> {
             quality,
             ..WideSah::default()
         };
-        [
-            StructureKind::Wide8(eight),
-            StructureKind::Wide16(sixteen),
-        ]
+        [StructureKind::Wide8(eight), StructureKind::Wide16(sixteen)]
     })
 }
 
@@ -98,19 +95,14 @@ fn the_cap_is_never_passed(kind: StructureKind, name: &str, mesh: &TriangleMesh)
             // What was forecast is enough, and two thirds of it is not.
             Ok(_) => assert!(eighths > 5, "{case}"),
             Err(error) => {
-                let refused =
-                    matches!(error, BuildError::Memory { needed, allowed } if allowed == cap && needed > cap);
+                let refused = matches!(error, BuildError::Memory { needed, allowed } if allowed == cap && needed > cap);
                 assert!(refused && eighths < 8, "{error}: {case}");
             }
         }
     }
 }
 
-fn the_finished_tree_is_as_large_as_forecast(
-    kind: StructureKind,
-    name: &str,
-    mesh: &TriangleMesh,
-) {
+fn the_finished_tree_is_as_large_as_forecast(kind: StructureKind, name: &str, mesh: &TriangleMesh) {
     let forecast = kind
         .forecast(&Survey::of(mesh), 1)
         .expect("a preset has one");

@@ -9,7 +9,7 @@ use crate::accel::settings::{Setting, Settings, Value};
 use crate::accel::{Axes, BuildError};
 use crate::primitive::Primitives;
 use crate::query::Intersect;
-use crate::simd::{Isa, Level, Vectorize, exactly};
+use crate::simd::{Isa, Level, Vectorize};
 use alloc::boxed::Box;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -87,7 +87,7 @@ impl<const N: usize> WideSah<N> {
                 refine,
             }
             .build_within(primitives, limits),
-            Quality::Ultra if exactly(|| Survey::of(primitives)).splits_pay() => {
+            Quality::Ultra if Survey::of(primitives).splits_pay() => {
                 self.with_splits().build_within(primitives, limits)
             }
             _ => self.binary().build_within(primitives, limits),

@@ -19,7 +19,7 @@ use crate::accel::{BuildError, Limits};
 use crate::geometry::Aabb;
 use crate::pieces;
 use crate::primitive::Primitives;
-use crate::simd::{Level, Vectorize};
+use crate::simd::{Level, Vectorize, exactly};
 
 /// What a tree is built for.
 ///
@@ -102,6 +102,10 @@ const CHUNK: usize = 1 << 15;
 impl Survey {
     /// Looks at every primitive once.
     pub fn of<P: Primitives + Sync>(primitives: &P) -> Self {
+        exactly(|| Self::taken(primitives))
+    }
+
+    fn taken<P: Primitives + Sync>(primitives: &P) -> Self {
         let count = primitives.len();
         let some = |chunk: usize| {
             let (mut around, mut boxes, mut own) = (Aabb::EMPTY, 0.0, 0.0);
@@ -117,7 +121,6 @@ impl Survey {
             }
             (around, boxes, own)
         };
-        // Each chunk computes exactly; the few sums that follow are in double precision.
         let chunks = pieces::each(count.div_ceil(CHUNK), some);
         let (mut around, mut boxes, mut own) = (Aabb::EMPTY, 0.0, 0.0);
         for chunk in chunks {
