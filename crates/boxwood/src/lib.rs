@@ -45,9 +45,9 @@ pub use accel::boxes::{BoundingBoxes, ObjectBoxes};
 pub use accel::brute_force::BruteForce;
 pub use accel::bsp_tree::{BspData, BspSah, BspTree};
 pub use accel::bvh::{
-    BinaryTree, BinnedSah, Bvh, CompactBvh, CompactSah, Decision, EqualCounts, Gathering, Lbvh,
-    Median, Middle, OpenError, Ploc, Precision, Quality, Refine, SavedError, SpatialSplit,
-    SweepSah, UnknownQuality, Updated, Upkeep, WideBvh, WideSah,
+    BinaryTree, BinnedSah, Bvh, CompactBvh, CompactSah, Decision, EqualCounts, Forecast, Gathering,
+    Job, Lbvh, Median, Middle, OpenError, Ploc, Precision, Quality, Refine, SavedError,
+    SpatialSplit, Survey, SweepSah, UnknownQuality, Updated, Upkeep, WideBvh, WideSah,
 };
 pub use accel::grid::{Density, GridBuilder, UniformGrid};
 pub use accel::kd_tree::{KdLecture, KdSah, KdTree};

@@ -17,6 +17,7 @@ macro_rules! examples {
 Examples:
   boxwood compare bunny.ply
   boxwood compare sponza.obj --accel bvh:median --accel bvh:binned,leaf=2 --rays primary,diffuse
+  boxwood compare sponza.obj --presets --accel bvh:binned --html presets.html
   boxwood compare sponza.obj --views --html sponza.html --csv sponza.csv
   boxwood compare bunny.ply --sweep bvh --accel bvh:binned --rays primary --html leaves.html
   boxwood compare bunny.ply --json | jq .winners.mrays_per_second"
@@ -57,8 +58,13 @@ The JSON has these keys; each number is null where there is nothing to measure:
                   mean over the kinds), speedup (over brute), histogram (share of rays of
                   2^(i/2) <= 1 + nodes + primitives < 2^((i+1)/2)), and for each kind: kind,
                   mrays_per_second, speedup, nodes_per_ray, leaves_per_ray, primitives_per_ray,
-                  rays_asked (of the workload: checked and timed)
+                  rays_asked (of the workload: checked and timed); and forecast, for wide trees:
+                  build_seconds, nanoseconds_per_ray, peak_bytes and bytes as the library's model
+                  of costs expects them, in nominal time, before anything is built
   winners         the best structures of each column; none in a sweep
+  jobs            for 10^3 to 10^9 rays: rays, first (who is done first, building included),
+                  seconds, and chosen: whom the model would take (structure), what it expects
+                  (expected_seconds) and what that one takes (seconds)
   sweep           null, or with --sweep what was changed and every curve's points"
 );
 
@@ -80,6 +86,12 @@ pub struct CompareArgs {
     /// family or those that --accel names. The lecture's choice and the measured best are marked.
     #[arg(long, value_name = "FAMILY", value_parser = family_parser())]
     pub sweep: Option<Family>,
+
+    /// Compare the qualities of wide trees: fast, balanced, high and ultra
+    ///
+    /// Of those that --accel names, beside whatever else it names; of wide8 where it names none.
+    #[arg(long, conflicts_with = "sweep")]
+    pub presets: bool,
 
     /// Kinds of rays, divided by commas
     #[arg(long, value_name = "KIND", value_delimiter = ',', default_value = "primary,shadow,ao,diffuse,random", value_parser = ray_parser())]

@@ -1,12 +1,14 @@
 //! `boxwood compare`: every structure on the same rays, in the open.
 //!
-//! *How it is laid out.* `build` and `measure` find out, `views` draws what rays cost; `sweep` does so along one setting.
+//! *How it is laid out.* `build` and `measure` find out, `views` draws what rays cost; `sweep` does so along one setting; `frontier`
+//! and `jobs` weigh building against tracing.
 //! All of it ends in a `report`, which `text`, `csv` and `html` (and serde) write.
 
 mod build;
 mod csv;
 mod frontier;
 mod html;
+mod jobs;
 mod machine;
 mod measure;
 mod report;
@@ -23,7 +25,7 @@ use crate::output::Destination;
 use crate::progress::Progress;
 use crate::scene_file::{self, SceneFile};
 use crate::terminal::{self, Channel};
-use boxwood::{Limits, StructureKind, TriangleMesh};
+use boxwood::{Limits, Quality, StructureKind, Survey, TriangleMesh, WideSah};
 use boxwood_render::build_structure;
 use boxwood_render::workload::Recorder;
 use boxwood_scene::Camera;
@@ -73,10 +75,13 @@ pub fn run(args: &CompareArgs) -> Outcome {
             file: &file,
             camera,
             mesh: &mesh,
+            survey: Survey::of(&mesh),
+            threads,
         };
-        let (mut report, pictures) = job.report(camera_name, threads)?;
+        let (mut report, pictures) = job.report(camera_name)?;
         if report.sweep.is_none() {
             report.winners = report::winners(&report.structures, &report.workloads);
+            report.jobs = jobs::rows(&report.structures);
         }
         if let Some(html) = &html {
             html.write(html::page(&report, pictures.as_ref()).as_bytes())?;
@@ -103,17 +108,17 @@ struct Job<'a> {
     file: &'a SceneFile,
     camera: Camera,
     mesh: &'a TriangleMesh,
+    /// What forecasts go by.
+    survey: Survey,
+    /// For building.
+    threads: usize,
 }
 
 /// Structures that were built, and those that were not.
 struct Candidate<'a>(StructureKind, Result<Built<'a>, String>);
 
 impl Job<'_> {
-    fn report(
-        &self,
-        camera_name: Option<String>,
-        threads: usize,
-    ) -> Outcome<(Report, Option<views::Pictures>)> {
+    fn report(&self, camera_name: Option<String>) -> Outcome<(Report, Option<views::Pictures>)> {
         let (workloads, image) = self.record()?;
         let mut report = Report {
             format_version: report::FORMAT_VERSION,
@@ -130,10 +135,11 @@ impl Job<'_> {
                 closest: self.args.closest,
                 memory_bytes: self.memory(),
             },
-            machine: machine::describe(threads),
+            machine: machine::describe(self.threads),
             workloads: workloads.iter().map(describe).collect(),
             structures: Vec::new(),
             winners: BTreeMap::new(),
+            jobs: Vec::new(),
             sweep: None,
         };
         let mut candidates = Vec::new();
@@ -173,6 +179,17 @@ impl Job<'_> {
         };
         if self.args.sweep.is_some() {
             add(StructureKind::default());
+        } else if self.args.presets {
+            let wide = StructureKind::Wide8(WideSah::default());
+            let named = self.args.accel.iter().copied();
+            let mut named: Vec<StructureKind> = named.collect();
+            if !named.iter().any(|kind| presets(*kind).next().is_some()) {
+                named.push(wide);
+            }
+            for kind in named {
+                add(kind);
+                presets(kind).for_each(&mut add);
+            }
         } else if self.args.accel.is_empty() {
             StructureKind::all().for_each(add);
         } else {
@@ -238,12 +255,37 @@ impl Job<'_> {
         Ok(candidates
             .iter()
             .map(|Candidate(kind, outcome)| Structure {
+                forecast: self.forecast(*kind),
                 structure: kind.to_string(),
                 failure: outcome.as_ref().err().cloned(),
                 measured: outcome.as_ref().ok().and_then(|_| found.next()),
             })
             .collect())
     }
+}
+
+impl Job<'_> {
+    /// What the library expects of a structure.
+    fn forecast(&self, kind: StructureKind) -> Option<report::Forecast> {
+        let forecast = kind.forecast(&self.survey, self.threads)?;
+        Some(report::Forecast {
+            build_seconds: forecast.build_seconds,
+            nanoseconds_per_ray: forecast.ray_seconds * 1e9,
+            peak_bytes: forecast.peak_bytes,
+            bytes: forecast.resident_bytes,
+        })
+    }
+}
+
+/// A wide tree in every quality; nothing of any other structure.
+fn presets(kind: StructureKind) -> impl Iterator<Item = StructureKind> {
+    Quality::ALL
+        .into_iter()
+        .filter_map(move |quality| match kind {
+            StructureKind::Wide8(wide) => Some(StructureKind::Wide8(WideSah { quality, ..wide })),
+            StructureKind::Wide16(wide) => Some(StructureKind::Wide16(WideSah { quality, ..wide })),
+            _ => None,
+        })
 }
 
 fn describe(workload: &Workload) -> report::Workload {

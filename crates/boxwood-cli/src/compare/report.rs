@@ -20,6 +20,8 @@ pub struct Report {
     pub structures: Vec<Structure>,
     /// Column to the names of the best in it.
     pub winners: BTreeMap<String, Vec<String>>,
+    /// From few rays to many; none in a sweep.
+    pub jobs: Vec<JobRow>,
     pub sweep: Option<Sweep>,
 }
 
@@ -71,6 +73,35 @@ pub struct Structure {
     /// Why there is no such structure.
     pub failure: Option<String>,
     pub measured: Option<Measured>,
+    /// What was to be expected; of presets of wide trees only.
+    pub forecast: Option<Forecast>,
+}
+
+/// What the library's model of costs says of a structure before it is built.
+#[derive(Clone, Debug, Serialize)]
+pub struct Forecast {
+    pub build_seconds: f64,
+    pub nanoseconds_per_ray: f64,
+    pub peak_bytes: usize,
+    pub bytes: usize,
+}
+
+/// Who is done first with so many rays, building included; rays on one thread.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JobRow {
+    pub rays: u64,
+    pub first: String,
+    pub seconds: f64,
+    /// Whom the model of costs would take, what it expects and what that one takes; `null` where no structure has a forecast.
+    pub chosen: Option<Chosen>,
+}
+
+/// A choice made before anything was built.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Chosen {
+    pub structure: String,
+    pub expected_seconds: f64,
+    pub seconds: f64,
 }
 
 /// What was found of a structure.

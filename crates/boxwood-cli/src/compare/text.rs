@@ -11,6 +11,9 @@ pub fn tables(report: &Report) -> String {
         parts.push(structures(report));
     }
     parts.push(rays(report));
+    if !report.jobs.is_empty() {
+        parts.push(jobs(report));
+    }
     parts.extend(report.sweep.as_ref().map(sweep));
     parts.push(footnotes(report));
     parts.join("\n\n")
@@ -97,6 +100,30 @@ fn rays(report: &Report) -> String {
         row.push(won("nodes_per_ray", number(m.nodes_per_ray, 1)));
         row.push(won("primitives_per_ray", number(m.primitives_per_ray, 1)));
         table.row(row);
+    }
+    table.text()
+}
+
+fn jobs(report: &Report) -> String {
+    let mut table = Table::new([
+        "build and rays",
+        "done first",
+        "after",
+        "by the model",
+        "expected",
+        "after",
+    ]);
+    for row in &report.jobs {
+        let chosen = row.chosen.as_ref();
+        let cell = |text: Option<String>| text.unwrap_or_else(|| "-".to_string());
+        table.row([
+            grouped(row.rays),
+            row.first.clone(),
+            seconds(row.seconds),
+            cell(chosen.map(|c| c.structure.clone())),
+            cell(chosen.map(|c| seconds(c.expected_seconds))),
+            cell(chosen.map(|c| seconds(c.seconds))),
+        ]);
     }
     table.text()
 }

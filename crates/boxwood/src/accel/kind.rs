@@ -4,7 +4,8 @@ use super::boxes::ObjectBoxes;
 use super::brute_force::Exhaustive;
 use super::bsp_tree::BspSah;
 use super::bvh::{
-    BinnedSah, CompactSah, EqualCounts, Lbvh, Median, Middle, Ploc, SpatialSplit, SweepSah, WideSah,
+    BinnedSah, CompactSah, EqualCounts, Forecast, Lbvh, Median, Middle, Ploc, SpatialSplit, Survey,
+    SweepSah, WideSah,
 };
 use super::grid::GridBuilder;
 use super::kd_tree::{KdLecture, KdSah};
@@ -156,6 +157,16 @@ impl StructureKind {
             Self::Wide8(wide) => wide.precision.is_exact(),
             Self::Wide16(wide) => wide.precision.is_exact(),
             _ => true,
+        }
+    }
+
+    /// What building and tracing it is expected to take by so many threads; `None` where there is no model of costs: of all but wide
+    /// trees whose binary tree is made by a [`Quality`](super::bvh::Quality) and no other setting.
+    pub fn forecast(&self, survey: &Survey, threads: usize) -> Option<Forecast> {
+        match self {
+            Self::Wide8(wide) => wide.forecast(survey, threads),
+            Self::Wide16(wide) => wide.forecast(survey, threads),
+            _ => None,
         }
     }
 

@@ -121,6 +121,11 @@ impl<'a> Site<'a> {
         let _ = self.used.fetch_update(Relaxed, Relaxed, less);
     }
 
+    /// Of all that was taken so many bytes are still in use.
+    pub fn settle(&self, bytes: usize) {
+        self.used.fetch_min(bytes, Relaxed);
+    }
+
     /// Makes room in a list for more, and counts it; `false` when there is none, and the build is over.
     pub fn reserve<T>(&self, list: &mut Vec<T>, more: usize) -> bool {
         let (needed, old) = (list.len() + more, list.capacity());
@@ -215,6 +220,10 @@ mod tests {
         assert!(site.take(60) && !site.try_take(50) && site.room() == 40);
         site.give(30);
         assert!(site.try_take(50) && !site.is_over());
+        site.settle(90);
+        assert_eq!(site.room(), 20, "nothing is taken by settling");
+        site.settle(70);
+        assert_eq!(site.room(), 30);
         assert!(!site.take(usize::MAX) && site.is_over());
         let error = BuildError::Memory {
             needed: usize::MAX,

@@ -4,6 +4,7 @@
 
 mod escape;
 mod histogram;
+mod jobs;
 mod pictures;
 mod scatter;
 mod svg;
@@ -185,10 +186,11 @@ fn plots(report: &Report) -> String {
         time</figcaption>{}<p class=\"small\">Down and left is better; the dotted line joins what nothing beats in both. \
         Building included, the one to take is:</p>{}</figure><figure class=\"plot\"><figcaption>What rays cost</figcaption>{}\
         <p class=\"small\">Shares of all rays by the steps they take, each kind counting the same. The prediction is for long \
-        random lines that meet the scene’s box; rays that start inside and stop early take fewer.</p></figure></div>",
+        random lines that meet the scene’s box; rays that start inside and stop early take fewer.</p></figure>{}</div>",
         scatter::plot(&places),
         scatter::advice(&places),
-        histogram
+        histogram,
+        jobs::figure(report, &places)
     )
 }
 

@@ -25,8 +25,8 @@ pub use {
     refine::Refine,
     tree::{BinaryNode, BinaryTree, MAX_DEPTH, MAX_LEAF},
     wide::{
-        Compact, CompactBvh, CompactSah, Decision, Full, Gathering, Layout, OpenError, Precision,
-        Quality, SavedError, UnknownGathering, UnknownPrecision, UnknownQuality, Updated, Upkeep,
-        WideBvh, WideSah,
+        Compact, CompactBvh, CompactSah, Decision, Forecast, Full, Gathering, Job, Layout,
+        OpenError, Precision, Quality, SavedError, Survey, UnknownGathering, UnknownPrecision,
+        UnknownQuality, Updated, Upkeep, WideBvh, WideSah,
     },
 };

@@ -51,6 +51,11 @@ pub struct BinaryTree {
 }
 
 impl BinaryTree {
+    /// The bytes that it takes.
+    pub(crate) fn bytes(&self) -> usize {
+        self.nodes.capacity() * size_of::<BinaryNode>() + self.order.capacity() * size_of::<u32>()
+    }
+
     /// Whether the nodes lie as a ray meets them: every pair of children, then what is below the first, then what is below the
     /// second. Builders and refinements leave them so.
     pub(crate) fn is_depth_first(&self) -> bool {

@@ -17,7 +17,7 @@ mod few;
 mod four;
 mod row;
 
-use super::sweep::{Block, Cut};
+use super::sweep::{Block, Cut, MAX_BLOCK};
 use super::top_down::{Divide, Divided, grow, work};
 use super::{BYTES_EACH, BinaryTree, Item, Sides, items};
 use crate::accel::bvh::refine::Refine;
@@ -40,7 +40,6 @@ use {
     super::top_down::SEQUENTIAL, crate::simd::Portable, crate::threads::Exactly, rayon::prelude::*,
 };
 
-const MAX_BLOCK: usize = 16;
 /// For so many items and fewer, axes along which their middles lie close together are left out.
 const SOME: usize = 32;
 
@@ -86,6 +85,11 @@ impl Default for BinnedSah {
 }
 
 impl BinnedSah {
+    /// The bytes that so many primitives take while their tree is built.
+    pub(crate) fn bytes(count: usize) -> usize {
+        BYTES_EACH.saturating_mul(count)
+    }
+
     fn tree(
         &self,
         primitives: &(impl Primitives + Sync),
@@ -93,7 +97,7 @@ impl BinnedSah {
     ) -> Result<BinaryTree, BuildError> {
         let count = primitives.len();
         let site = Site::new(limits, work(count, self.refine));
-        if count == 0 || !site.take(BYTES_EACH.saturating_mul(count)) {
+        if count == 0 || !site.take(Self::bytes(count)) {
             return site.finish(BinaryTree::default());
         }
         let block = Block::of(self.block.clamp(1, MAX_BLOCK));

@@ -50,6 +50,11 @@ impl Default for Lbvh {
 }
 
 impl Lbvh {
+    /// The bytes that so many primitives take while their tree is built.
+    pub(crate) fn bytes(count: usize) -> usize {
+        (BYTES_EACH + CURVE_BYTES_EACH).saturating_mul(count)
+    }
+
     fn tree(
         &self,
         primitives: &(impl Primitives + Sync),
@@ -57,7 +62,7 @@ impl Lbvh {
     ) -> Result<BinaryTree, BuildError> {
         let count = primitives.len();
         let site = Site::new(limits, work(count, self.refine));
-        if count == 0 || !site.take((BYTES_EACH + CURVE_BYTES_EACH).saturating_mul(count)) {
+        if count == 0 || !site.take(Self::bytes(count)) {
             return site.finish(BinaryTree::default());
         }
         let Some((codes, items)) = along_curve(primitives, self.axes, &site) else {

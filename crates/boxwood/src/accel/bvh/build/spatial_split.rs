@@ -1,7 +1,7 @@
 //! Cuts by the surface-area heuristic, and cuts primitives in two where boxes would overlap too much.
 //!
 //! *How it works.* A node's references are sorted along each axis and the cheapest of all cuts between them is found, as
-//! [`SweepSah`](super::SweepSah) does. Where the two boxes of that cut overlap by more than a small part of the scene's
+//! [`SweepSah`](super::SweepSah) does, or, where there are many, the cheapest between bins. Where the two boxes of that cut overlap by more than a small part of the scene's
 //! area, planes are weighed too: references that a plane crosses are clipped, and each side counts its part. The cheaper of
 //! both is taken. A reference that is cheaper left whole on one side than cut ("unsplit") stays whole.
 //!
@@ -12,9 +12,10 @@
 //!
 //! *Source.* Stich, Friedrich & Dietrich 2009, *Spatial Splits in Bounding Volume Hierarchies*.
 
+mod objects;
 mod planes;
 
-use super::sweep::{Block, Cut, Slot, cheapest_cut};
+use super::sweep::{Block, MAX_BLOCK};
 use super::top_down::{Divide, Divided, grow, work};
 use super::{BYTES_EACH, BinaryTree, Item, Sides, items};
 use crate::accel::bvh::refine::Refine;
@@ -38,8 +39,14 @@ pub struct SpatialSplit {
     pub alpha: f32,
     /// Planes per axis, and one more, 2 to 64.
     pub bins: usize,
+    /// Between how many bins by their middles the references of larger nodes are cut, 2 to 64, as [`BinnedSah`](super::BinnedSah)
+    /// does; 0 sorts them and tries every cut, as the paper does.
+    pub object_bins: usize,
     /// Most references in a leaf, 1 to [`MAX_LEAF`].
     pub max_leaf: usize,
+    /// How many primitives the structure tests at once, 1 to 16, rounded up to a power of two: cuts that leave no places
+    /// empty are then preferred.
+    pub block: usize,
     /// The axes that may be divided.
     pub axes: Axes,
     /// What is done to the tree afterwards.
@@ -55,7 +62,9 @@ impl Default for SpatialSplit {
             budget: 1.3,
             alpha: 3.0e-4,
             bins: 8,
+            object_bins: 0,
             max_leaf: 8,
+            block: 1,
             axes: Axes::XYZ,
             refine: Refine::NONE,
         }
@@ -63,6 +72,20 @@ impl Default for SpatialSplit {
 }
 
 impl SpatialSplit {
+    /// The most references that there may be to so many primitives.
+    fn most_references(&self, count: usize) -> usize {
+        // Numbers of places and nodes have 32 bits.
+        let most = (f64::from(self.budget.clamp(1.0, MAX_BUDGET)) * count as f64) as usize;
+        most.min(u32::MAX as usize / 2).max(count)
+    }
+
+    /// The bytes that so many primitives take while their tree is built.
+    pub(crate) fn bytes(&self, count: usize) -> usize {
+        // A node's references and those of its sides exist at once.
+        let bytes = BYTES_EACH + 2 * size_of::<Item>();
+        bytes.saturating_mul(self.most_references(count))
+    }
+
     fn tree(
         &self,
         primitives: &(impl Primitives + Sync),
@@ -70,19 +93,17 @@ impl SpatialSplit {
     ) -> Result<BinaryTree, BuildError> {
         let count = primitives.len();
         let site = Site::new(limits, work(count, self.refine));
-        // Numbers of places and nodes have 32 bits.
-        let most = (f64::from(self.budget.clamp(1.0, MAX_BUDGET)) * count as f64) as usize;
-        let most = most.min(u32::MAX as usize / 2).max(count);
-        // A node's references and those of its sides exist at once.
-        let bytes = BYTES_EACH + 2 * size_of::<Item>();
-        if count == 0 || !site.take(bytes.saturating_mul(most)) {
+        let most = self.most_references(count);
+        if count == 0 || !site.take(self.bytes(count)) {
             return site.finish(BinaryTree::default());
         }
         let references = items(primitives);
         let bounds = Item::around(&references);
         let splitter = Splitter {
+            block: Block::of(self.block.clamp(1, MAX_BLOCK)),
             settings: Self {
                 bins: self.bins.clamp(2, MAX_BINS),
+                object_bins: self.object_bins.min(MAX_BINS),
                 max_leaf: self.max_leaf.clamp(1, MAX_LEAF),
                 ..*self
             },
@@ -103,6 +124,7 @@ impl SpatialSplit {
 
 struct Splitter<'p, P> {
     settings: SpatialSplit,
+    block: Block,
     least_overlap: f32,
     space: Space,
     primitives: &'p P,
@@ -123,54 +145,6 @@ impl References {
             items,
             spare,
         }
-    }
-}
-
-/// A cut between references: where, along which axis, and the order there.
-struct ObjectCut {
-    cut: Cut,
-    keys: Vec<u64>,
-}
-
-impl<P: Primitives + Sync> Splitter<'_, P> {
-    /// The cheapest cut between references.
-    fn object_cut(&self, items: &[Item]) -> Option<ObjectCut> {
-        // Most rows are short: no need to ask for memory.
-        let mut short = [0.0; 64];
-        let mut long = Vec::new();
-        let behind = if items.len() <= short.len() {
-            &mut short[..]
-        } else {
-            long.resize(items.len(), 0.0);
-            &mut long[..]
-        };
-        let mut keys = Vec::with_capacity(items.len());
-        let mut best: Option<ObjectCut> = None;
-        for axis in self.settings.axes.iter() {
-            keys.clear();
-            keys.extend((0..).zip(items).map(|(i, item)| item.key(axis, i)));
-            keys.sort_unstable();
-            let cut = cheapest_cut(items.len(), u32::MAX, Block::ONE, behind, |i| Slot {
-                sides: items[keys[i] as u32 as usize].sides(),
-                begin: 1,
-                end: 1,
-            });
-            let Some(cut) = cut else {
-                continue;
-            };
-            match &mut best {
-                Some(best) if !cut.is_better(&best.cut) => {}
-                Some(best) => {
-                    best.cut = cut;
-                    core::mem::swap(&mut best.keys, &mut keys);
-                }
-                None => {
-                    let keys = core::mem::replace(&mut keys, Vec::with_capacity(items.len()));
-                    best = Some(ObjectCut { cut, keys });
-                }
-            }
-        }
-        best
     }
 }
 
@@ -197,10 +171,10 @@ impl<P: Primitives + Sync> Divide for Splitter<'_, P> {
             let around = sides.fold(Sides::EMPTY, |a, b| a.around(&b));
             around.bounds()
         };
-        let at = if may_choose { object.cut.at } else { len / 2 };
+        let at = if may_choose { object.at } else { len / 2 };
         let (left, right) = object.keys.split_at(at);
         let bounds = [around(left), around(right)];
-        let mut cost = object.cut.cost;
+        let mut cost = object.cost;
         let mut spatial = None;
         if may_choose
             && part.spare > 0
@@ -244,7 +218,9 @@ bvh_builder!(
         Setting::real("budget", &mut builder.budget, 1.0..=MAX_BUDGET),
         Setting::real("alpha", &mut builder.alpha, 0.0..=1.0),
         Setting::count("bins", &mut builder.bins, 2..=MAX_BINS),
+        Setting::count("objectbins", &mut builder.object_bins, 0..=MAX_BINS),
         Setting::count("leaf", &mut builder.max_leaf, 1..=MAX_LEAF),
+        Setting::count("block", &mut builder.block, 1..=MAX_BLOCK),
         Setting::axes(&mut builder.axes),
     ],
     +refine

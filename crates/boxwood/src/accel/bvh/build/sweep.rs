@@ -36,6 +36,9 @@ impl Cut {
     }
 }
 
+/// The most primitives that a structure tests at once.
+pub(super) const MAX_BLOCK: usize = 16;
+
 /// How many primitives are tested at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Block {

@@ -62,22 +62,33 @@ impl Refine {
         if site.is_over() {
             return;
         }
+        // What it was made of is gone.
+        site.settle(tree.bytes());
+        let scratch = scratch(tree);
+        if self == Self::NONE || !site.take(scratch) {
+            return;
+        }
         let count = tree.order.len();
         for _ in 0..self.rotate.min(Self::MOST) {
             if !rotation::round(tree, site) {
                 break;
             }
         }
-        if self.reinsert > 0 && site.take(reinsertion::bytes(tree)) {
-            for _ in 0..self.reinsert.min(Self::MOST) {
-                if site.is_over() || !reinsertion::round(tree, site) {
-                    break;
-                }
-                site.advance(count * (REINSERTION_WORK - 2));
+        for _ in 0..self.reinsert.min(Self::MOST) {
+            if site.is_over() || !reinsertion::round(tree, site) {
+                break;
             }
-            site.give(reinsertion::bytes(tree));
+            site.advance(count * (REINSERTION_WORK - 2));
         }
+        site.give(scratch);
     }
+}
+
+/// The bytes that any refinement takes beside the tree at most: the better tree and the one in which that is laid out; and of
+/// each node its parent, its leaves, its place in the order, whether it was touched, and where it should go.
+fn scratch(tree: &BinaryTree) -> usize {
+    let each = 3 * size_of::<u32>() + size_of::<bool>() + reinsertion::MOVE_BYTES;
+    2 * tree.bytes() + each * tree.nodes.len()
 }
 
 /// The same tree with its nodes depth-first: every pair of children, then what lies below the first, then what lies below the second.

@@ -37,12 +37,6 @@ pub fn reinsertion(tree: &mut BinaryTree, rounds: usize) {
     }
 }
 
-/// The bytes that a round takes beside the tree.
-pub(super) fn bytes(tree: &BinaryTree) -> usize {
-    let each = 2 * size_of::<BinaryNode>() + size_of::<u32>() + size_of::<Move>() + 1;
-    tree.nodes.len() * each + tree.order.len() * size_of::<u32>()
-}
-
 /// One round; whether it saved anything.
 pub(super) fn round(tree: &mut BinaryTree, site: &Site<'_>) -> bool {
     // Brings pairs to odd places, so that a node's number names its sibling.
@@ -85,6 +79,9 @@ struct Move {
     /// By how much the area of all inner nodes shrinks.
     saved: f32,
 }
+
+/// Bytes of a move.
+pub(super) const MOVE_BYTES: usize = size_of::<Move>();
 
 /// The other node of a pair.
 #[inline(always)]

@@ -1,7 +1,7 @@
 //! Builders of wide trees by name.
 
 use super::leaf::Leaves;
-use super::{Gathering, Layout, Precision, Quality, WideBvh, braid};
+use super::{Gathering, Layout, Precision, Quality, Survey, WideBvh, braid};
 use crate::accel::bvh::tree::BinaryTree;
 use crate::accel::bvh::{BinnedSah, Lbvh, Refine, SpatialSplit};
 use crate::accel::limits::{Limits, unlimited};
@@ -21,7 +21,7 @@ use core::ops::ControlFlow::Continue;
 pub struct WideSah<const N: usize> {
     /// What makes the binary tree.
     pub quality: Quality,
-    /// Bins per axis, 2 to 64, of the qualities that have them but the highest.
+    /// Bins per axis, 2 to 64, of all qualities but the lowest.
     pub bins: usize,
     /// The axes that may be divided.
     pub axes: Axes,
@@ -98,16 +98,33 @@ impl<const N: usize> WideSah<N> {
                 refine,
             }
             .build_within(primitives, limits),
-            Quality::Balanced | Quality::High => {
-                self.binary::<P>().build_within(primitives, limits)
+            Quality::Ultra if !P::COMPOSITE && Survey::of(primitives).splits_pay() => {
+                self.with_splits().build_within(primitives, limits)
             }
-            Quality::Ultra => SpatialSplit {
-                max_leaf,
-                axes,
-                refine,
-                ..SpatialSplit::default()
-            }
-            .build_within(primitives, limits),
+            _ => self.binary::<P>().build_within(primitives, limits),
+        }
+    }
+
+    /// What makes the binary tree of the highest quality where splits pay.
+    fn with_splits(&self) -> SpatialSplit {
+        SpatialSplit {
+            object_bins: self.bins,
+            max_leaf: Leaves::LANES,
+            block: Leaves::LANES,
+            axes: self.axes,
+            refine: self.refinement(),
+            ..SpatialSplit::default()
+        }
+    }
+
+    /// The bytes that primitives take at the worst moment of a build: the binary tree's, which is larger than a wide one and what
+    /// collapsing takes.
+    pub(super) fn peak_bytes(&self, survey: &Survey) -> usize {
+        let count = survey.primitives;
+        match self.quality {
+            Quality::Fast => Lbvh::bytes(count),
+            Quality::Ultra if survey.splits_pay() => self.with_splits().bytes(count),
+            _ => BinnedSah::bytes(count),
         }
     }
 }

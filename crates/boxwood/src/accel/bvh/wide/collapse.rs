@@ -50,6 +50,8 @@ pub fn collapse<P: Primitives + Sync, const N: usize, L: Layout>(
     site: &Site<'_>,
 ) -> Result<Wide<N, L>, BuildError> {
     let plan = Plan::new(primitives, tree, max_leaf, gathering, site);
+    let scripts = SCRIPT_BYTES_EACH * tree.nodes.len();
+    site.take(scripts);
     if tree.nodes.is_empty() || site.is_over() {
         return Ok(Wide::nothing());
     }
@@ -62,7 +64,7 @@ pub fn collapse<P: Primitives + Sync, const N: usize, L: Layout>(
         layout: PhantomData,
     };
     let wide = collapse.grow();
-    site.give(collapse.plan.bytes());
+    site.give(collapse.plan.bytes() + scripts);
     wide
 }
 
@@ -85,6 +87,10 @@ struct Size {
     /// Where there is less: how many children each node has that the subtree becomes, and which, from the root down.
     script: Vec<u32>,
 }
+
+/// What scripts take at most for each node of the binary tree: wide nodes and leaves come to no more than there are nodes, wide nodes
+/// to half as many, and lists grow by doubling.
+const SCRIPT_BYTES_EACH: usize = 3 * size_of::<u32>();
 
 /// Subtrees of fewer primitives are written by one thread.
 const MUCH: usize = 8192;

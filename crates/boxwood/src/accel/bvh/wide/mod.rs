@@ -2,7 +2,8 @@
 //!
 //! *How it works.* `collapse` makes `N` children of two, at the least expected cost; `node` holds eight rows of `N` words and
 //! meets its boxes in lanes; `leaf` holds triangles lane by lane, or numbers of anything else; `traverse` is the one loop,
-//! compiled for every instruction set, and `scalar` the same box by box; `braid` opens placed objects that overlap; `hierarchy` shows the nodes to questions about space;
+//! compiled for every instruction set, and `scalar` the same box by box; `braid` opens placed objects that overlap; `job` says before a build which quality
+//! it is worth; `hierarchy` shows the nodes to questions about space;
 //! `saved` puts trees into files, and `validate` looks at those that come from there.
 //!
 //! Nodes and leaves lie in one of two ways (`layout`): as `boxes` of floats and corners, or `quantised` and as numbers; all that walks knows of it
@@ -26,6 +27,7 @@ mod compact;
 mod gathering;
 mod graft;
 mod hierarchy;
+mod job;
 mod layout;
 mod leaf;
 mod node;
@@ -44,6 +46,7 @@ mod validate;
 pub use build::WideSah;
 pub use compact::CompactSah;
 pub use gathering::{Gathering, UnknownGathering};
+pub use job::{Forecast, Job, Survey};
 pub use layout::{Compact, CompactBvh, Full, Layout};
 pub use precision::{Precision, UnknownPrecision};
 pub use quality::{Quality, UnknownQuality};
@@ -179,9 +182,8 @@ where
         };
         // Every node is looked at twice: when it is weighed, and when it finds its place.
         let site = Site::new(limits, tree.nodes.len());
-        let given = size_of_val(&*tree.nodes) + size_of_val(&*tree.order);
         // Where there is no room for it, the build is over, and `finish` says so.
-        site.take(given);
+        site.take(tree.bytes());
         let bounds = tree.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds);
         let frame = Self::frame_of(&bounds);
         let most = Self::MOST_IN_LEAF;

@@ -15,8 +15,8 @@ pub enum Quality {
     Balanced,
     /// The same, and two rounds of reinsertion: for millions of rays.
     High,
-    /// Spatial splits ([`SpatialSplit`](crate::SpatialSplit)), and two rounds of reinsertion: for scenes with long triangles and very many
-    /// rays.
+    /// Spatial splits ([`SpatialSplit`](crate::SpatialSplit)) where primitives are long, and two rounds of reinsertion: for very many rays.
+    /// Where few boxes are entered in vain ([`Survey`](crate::Survey)) nothing is cut, and it is the same as [`High`](Self::High).
     Ultra,
 }
 

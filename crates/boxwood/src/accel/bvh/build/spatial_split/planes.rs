@@ -4,7 +4,7 @@
 //! begins in the first and ends in the last; a sweep over the bins gives the cost of the planes between them.
 
 use super::{References, Splitter};
-use crate::accel::bvh::build::sweep::{Block, Cut, Slot, cheapest_cut};
+use crate::accel::bvh::build::sweep::{Cut, Slot, cheapest_cut};
 use crate::accel::bvh::build::{Item, Sides};
 use crate::geometry::Aabb;
 use crate::primitive::Primitives;
@@ -74,7 +74,7 @@ impl<P: Primitives + Sync> Splitter<'_, P> {
                 continue;
             };
             let slots = self.fill(&part.items, &bins);
-            let cut = cheapest_cut(count, most, Block::ONE, &mut [0.0; MAX_BINS], |i| slots[i]);
+            let cut = cheapest_cut(count, most, self.block, &mut [0.0; MAX_BINS], |i| slots[i]);
             if let Some(cut) = cut
                 && best.as_ref().is_none_or(|best| cut.is_better(&best.cut))
             {
