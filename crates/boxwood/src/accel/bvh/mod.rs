@@ -25,7 +25,7 @@ pub use {
     refine::Refine,
     tree::{BinaryNode, BinaryTree, MAX_DEPTH, MAX_LEAF},
     wide::{
-        Decision, Gathering, OpenError, Precision, Quality, SavedError, UnknownGathering,
-        UnknownPrecision, UnknownQuality, Updated, Upkeep, WideBvh, WideSah,
+        Decision, Gathering, MotionBvh, OpenError, Precision, Quality, SavedError,
+        UnknownGathering, UnknownPrecision, UnknownQuality, Updated, Upkeep, WideBvh, WideSah,
     },
 };

@@ -34,7 +34,7 @@ impl<P: Triangles, const N: usize> Hierarchy for WideBvh<P, N> {
         }
         let slots = self.nodes[parent.index()].slots();
         Opened::Inner(slots.map(move |(lane, bounds, child)| {
-            let number = Self::number(parent, lane);
+            let number = parent.number::<N>(lane);
             (self.frame.in_world(&bounds), Place { number, child })
         }))
     }

@@ -20,6 +20,7 @@ mod gathering;
 mod graft;
 mod hierarchy;
 mod leaf;
+mod motion;
 mod node;
 mod packet;
 mod plan;
@@ -29,11 +30,13 @@ mod refit;
 mod saved;
 mod scalar;
 mod traverse;
+mod tree;
 mod upkeep;
 mod validate;
 
 pub use build::WideSah;
 pub use gathering::{Gathering, UnknownGathering};
+pub use motion::MotionBvh;
 pub use precision::{Precision, UnknownPrecision};
 pub use quality::{Quality, UnknownQuality};
 #[doc(hidden)]
@@ -52,7 +55,6 @@ use crate::inspect::{self, Cell, Statistics, TreeFlaw};
 use crate::primitive::{self, Primitives};
 use crate::query::{Counters, Query, Traverse};
 use crate::simd::{Isa, Level, Pages, Portable, Vectorize, exactly};
-use alloc::vec;
 use core::mem;
 use core::ops::ControlFlow::Break;
 use leaf::Leaves;
@@ -310,30 +312,7 @@ where
     }
 
     fn cells(&self, show: &mut dyn FnMut(&Cell<'_>)) {
-        if self.root == Child::NOTHING {
-            return;
-        }
-        let mut open = vec![(0, 0, self.bounds, self.root)];
-        while let Some((node, depth, bounds, child)) = open.pop() {
-            let leaf = child.is_leaf();
-            let primitives = leaf.then(|| self.leaves.ids(child.blocks()).count() as u32);
-            show(&Cell {
-                node,
-                depth,
-                bounds,
-                primitives,
-                sides: &[],
-            });
-            if !leaf {
-                let from = open.len();
-                let slots = self.nodes[child.index()].slots();
-                open.extend(slots.map(|(lane, bounds, below)| {
-                    let bounds = self.frame.in_world(&bounds);
-                    (Self::number(child, lane), depth + 1, bounds, below)
-                }));
-                open[from..].reverse();
-            }
-        }
+        tree::cells(self, show);
     }
 
     #[inline]
@@ -344,7 +323,7 @@ where
         // Of the two loops only one is compiled for a kind of counters.
         if !C::EXPLAINS {
             let one = traverse::One {
-                bvh: self,
+                tree: self,
                 ray,
                 query,
                 counters,

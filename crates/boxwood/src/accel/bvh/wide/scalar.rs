@@ -1,31 +1,32 @@
 //! The same walk box by box: for rays outside the doors, which need double precision, and for those that want to know why.
 
-use super::WideBvh;
 use super::node::Child;
+use super::tree::Tree;
 use crate::geometry::frame::Frame;
 use crate::geometry::{Aabb, PreparedRay};
-use crate::primitive::{self, Primitives};
+use crate::primitive;
 use crate::query::{Counters, Query, Step, Verdict};
 use crate::simd::Portable;
 use alloc::vec::Vec;
 
 /// Shows the primitives that the ray may meet to the query, at any level and for any ray.
 #[cold]
-pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize>(
-    bvh: &WideBvh<P, N>,
+pub fn walk<T: Tree<N>, Q: Query, C: Counters, const N: usize>(
+    tree: &T,
     ray: &PreparedRay,
     query: &mut Q,
     counters: &mut C,
 ) {
-    let sight = Sight::new(ray, &bvh.frame);
-    let root = bvh.frame.seen(&bvh.bounds);
+    let (frame, bounds) = (tree.frame(), tree.bounds());
+    let sight = Sight::new(ray, frame);
+    let root = frame.seen(&bounds);
     let slabs = sight.slabs(&root);
     let (enter, t_max) = (slabs.0, query.t_max());
     let entered = sight.enters(&root, t_max).is_some();
     if C::EXPLAINS {
         counters.step(Step::of_box(
             0,
-            bvh.bounds,
+            bounds,
             slabs,
             ray.t_min,
             t_max,
@@ -35,7 +36,7 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize>(
     // Far to near; the last one comes next.
     let mut stack = Vec::new();
     if entered {
-        stack.push((enter, 0, bvh.root));
+        stack.push((enter, 0, tree.root()));
     }
     let mut direct = true;
     while let Some((enter, number, child)) = stack.pop() {
@@ -58,11 +59,12 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize>(
             if C::EXPLAINS {
                 counters.step(Step::Leaf {
                     node: number,
-                    primitives: bvh.leaves.ids(child.blocks()).count() as u32,
+                    primitives: tree.leaves().ids(child.blocks()).count() as u32,
                 });
             }
-            for id in bvh.leaves.ids(child.blocks()) {
-                if primitive::offer(&bvh.primitives, id as usize, ray, query, counters).is_break() {
+            for id in tree.leaves().ids(child.blocks()) {
+                if primitive::offer(tree.primitives(), id as usize, ray, query, counters).is_break()
+                {
                     return;
                 }
             }
@@ -71,15 +73,20 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize>(
         counters.node();
         let from = stack.len();
         let t_max = query.t_max();
-        for (lane, bounds, below) in bvh.nodes[child.index()].slots() {
+        for lane in 0..N {
+            let below = tree.child(child.index(), lane);
+            if below == Child::NOTHING {
+                continue;
+            }
+            let bounds = tree.child_bounds(child.index(), lane, ray.is_tame());
             if let Some(enter) = sight.enters(&bounds, t_max) {
-                stack.push((enter, WideBvh::<P, N>::number(child, lane), below));
+                stack.push((enter, child.number::<N>(lane), below));
             } else if C::EXPLAINS {
-                let number = WideBvh::<P, N>::number(child, lane);
+                let number = child.number::<N>(lane);
                 let slabs = sight.slabs(&bounds);
                 counters.step(Step::of_box(
                     number,
-                    bvh.frame.in_world(&bounds),
+                    frame.in_world(&bounds),
                     slabs,
                     ray.t_min,
                     t_max,
@@ -94,7 +101,7 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize>(
         if C::EXPLAINS {
             for (place, &(_, number, _)) in stack[from..].iter().enumerate().rev() {
                 let lane = (number as usize - 1) % N;
-                let bounds = bvh.nodes[child.index()].bounds(lane);
+                let bounds = tree.child_bounds(child.index(), lane, ray.is_tame());
                 let otherwise = if from + place + 1 == stack.len() {
                     Verdict::Opened
                 } else {
@@ -103,7 +110,7 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize>(
                 let slabs = sight.slabs(&bounds);
                 counters.step(Step::of_box(
                     number,
-                    bvh.frame.in_world(&bounds),
+                    frame.in_world(&bounds),
                     slabs,
                     ray.t_min,
                     t_max,
@@ -144,12 +151,5 @@ impl<'a> Sight<'a> {
     /// As [`PreparedRay::enters`].
     fn enters(&self, b: &Aabb, t_max: f32) -> Option<f32> {
         self.ray.enters(&self.met(b), t_max)
-    }
-}
-
-impl<P, const N: usize> WideBvh<P, N> {
-    /// The number of a child: 0 is the root, and the children of node `i` are `i N + 1` and so on.
-    pub(super) fn number(parent: Child, lane: usize) -> u32 {
-        (parent.index() * N + lane + 1) as u32
     }
 }
