@@ -46,7 +46,7 @@ pub use accel::brute_force::BruteForce;
 pub use accel::bsp_tree::{BspData, BspSah, BspTree};
 pub use accel::bvh::{
     BinaryTree, BinnedSah, Bvh, CompactBvh, CompactSah, Decision, EqualCounts, Forecast, Gathering,
-    Job, Lbvh, Median, Middle, OpenError, Ploc, Precision, Quality, Refine, SavedError,
+    Job, Lbvh, Median, Middle, MotionBvh, OpenError, Ploc, Precision, Quality, Refine, SavedError,
     SpatialSplit, Survey, SweepSah, UnknownQuality, Updated, Upkeep, WideBvh, WideSah,
 };
 pub use accel::grid::{Density, GridBuilder, UniformGrid};
@@ -62,13 +62,13 @@ pub use geometry::{Aabb, Affine, Hit, Interval, PreparedRay, Ray, Surface, Vec3}
 pub use geometry::{Cuboid, Cylinder, Disc, Line, OrientedCuboid, Plane, Prism, Sphere, Torus};
 pub use primitive::{
     Chain, Cuboids, Cylinders, Discs, Foresight, ImplicitSurfaces, Instance, InstanceError,
-    Instances, MeshError, MollerTrumbore, Object, OrientedCuboids, Planes, Primitives, Shapes,
-    Spheres, Surfaces, Tori, TriangleMesh, Triangles,
+    Instances, MeshError, MollerTrumbore, MotionError, MovingMesh, Object, OrientedCuboids, Planes,
+    Pose, Primitives, Shapes, Spheres, Surfaces, Tori, TriangleMesh, Triangles,
 };
 pub use proximity::Proximity;
 pub use query::{
-    AllHits, Closest, Counters, Filter, FirstHits, Intersect, Occluded, Part, Query, Relay, Seen,
-    Step, TraversalStats, Traverse, Verdict,
+    AllHits, At, Closest, Counters, Filter, FirstHits, Intersect, Occluded, Part, Query, Relay,
+    Seen, Step, Timed, TraversalStats, Traverse, Verdict,
 };
 #[doc(hidden)]
 pub use simd::carelessly;

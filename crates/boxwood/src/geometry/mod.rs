@@ -11,6 +11,7 @@ mod hit;
 pub mod implicit;
 mod interval;
 pub(crate) mod morton;
+pub(crate) mod motion;
 pub(crate) mod pair;
 mod plane;
 pub(crate) mod predicates;

@@ -200,7 +200,7 @@ impl TriangleMesh {
 }
 
 /// Whether every corner is a vertex, and finite.
-fn check_corners(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
+pub(super) fn check_corners(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
     for (triangle, corners) in triangles.iter().enumerate() {
         for &vertex in corners {
             match positions.get(vertex as usize) {
@@ -229,6 +229,22 @@ fn hit(meeting: Meeting, i: usize) -> Hit {
         v: meeting.v,
         primitive: i as u32,
         instance: 0,
+    }
+}
+
+/// Shows triangle `i` to the query where the canonical test accepts it.
+#[inline(always)]
+pub(super) fn offer_triangle<Q: Query>(
+    corners: [Vec3; 3],
+    i: usize,
+    ray: &PreparedRay,
+    query: &mut Q,
+) -> ControlFlow<()> {
+    match watertight::intersect(corners, ray, query.t_max()) {
+        Some((meeting, covered)) if covered || watertight::confirmed(corners, ray, &meeting) => {
+            query.offer(hit(meeting, i))
+        }
+        _ => Continue(()),
     }
 }
 
@@ -278,15 +294,7 @@ impl Primitives for TriangleMesh {
         query: &mut Q,
         _: &mut C,
     ) -> ControlFlow<()> {
-        let corners = self.triangle(i);
-        match watertight::intersect(corners, ray, query.t_max()) {
-            Some((meeting, covered))
-                if covered || watertight::confirmed(corners, ray, &meeting) =>
-            {
-                query.offer(hit(meeting, i))
-            }
-            _ => Continue(()),
-        }
+        offer_triangle(self.triangle(i), i, ray, query)
     }
     const WITHIN_SLACK: bool = true;
     const TRIANGLES: bool = true;

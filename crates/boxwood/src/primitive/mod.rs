@@ -4,12 +4,14 @@ mod chain;
 mod fingerprint;
 mod instances;
 mod mesh;
+mod moving_mesh;
 mod shapes;
 
 pub use chain::Chain;
 pub use fingerprint::fingerprint;
 pub use instances::{Instance, InstanceError, Instances, Object};
 pub use mesh::{MeshError, MollerTrumbore, TriangleMesh};
+pub use moving_mesh::{MotionError, MovingMesh, Pose};
 pub use shapes::{
     Cuboids, Cylinders, Discs, ImplicitSurfaces, OrientedCuboids, Planes, Shapes, Spheres, Tori,
 };

@@ -120,7 +120,7 @@ pub struct Relay<'a> {
 }
 
 /// Rays per chunk of a batch: enough to keep many in flight nearly all of the time, few enough for the second-level cache.
-const CHUNK: usize = 2048;
+pub(super) const CHUNK: usize = 2048;
 
 impl<T: Traverse + Send + Sync> Intersect for T {
     fn bounds(&self) -> Aabb {

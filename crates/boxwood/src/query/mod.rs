@@ -9,12 +9,14 @@ mod counters;
 mod intersect;
 mod kinds;
 mod part;
+mod timed;
 
 pub(crate) use batch::{each_chunk, each_pair};
 pub use counters::{Counters, Step, TraversalStats, Verdict};
 pub use intersect::{Intersect, Relay};
 pub use kinds::{AllHits, Closest, Filter, FirstHits, Occluded, Seen};
 pub use part::Part;
+pub use timed::{At, Timed};
 
 use crate::geometry::{Aabb, Hit, Ray};
 use crate::inspect::{Cell, Statistics};

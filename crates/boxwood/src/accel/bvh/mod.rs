@@ -26,7 +26,7 @@ pub use {
     tree::{BinaryNode, BinaryTree, MAX_DEPTH, MAX_LEAF},
     wide::{
         Compact, CompactBvh, CompactSah, Decision, Forecast, Full, Gathering, Job, Layout,
-        OpenError, Precision, Quality, SavedError, Survey, UnknownGathering, UnknownPrecision,
-        UnknownQuality, Updated, Upkeep, WideBvh, WideSah,
+        MotionBvh, OpenError, Precision, Quality, SavedError, Survey, UnknownGathering,
+        UnknownPrecision, UnknownQuality, Updated, Upkeep, WideBvh, WideSah,
     },
 };

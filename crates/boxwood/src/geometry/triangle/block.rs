@@ -137,6 +137,22 @@ impl TriangleBlock {
         r[axis] = c.choose(there, nan).to_array();
     }
 
+    /// The same triangles on their way from here to where they are in another block, of which so much is gone: the operations of
+    /// `geometry/motion.rs` lane by lane.
+    #[inline(always)]
+    pub fn towards<S: Lanes<LANES>>(&self, s: S, far: &Self, weight: f32) -> Self {
+        let weight = F::<S, LANES>::splat(s, weight);
+        let mut block = *self;
+        for corner in 0..3 {
+            for axis in 0..3 {
+                let here = F::<S, LANES>::load(s, &self.corners[corner][axis]);
+                let there = F::<S, LANES>::load(s, &far.corners[corner][axis]);
+                block.corners[corner][axis] = (here - (here - there) * weight).to_array();
+            }
+        }
+        block
+    }
+
     /// The numbers in all lanes, `u32::MAX` in one without a triangle.
     #[inline(always)]
     pub fn lanes(&self) -> &[u32; LANES] {

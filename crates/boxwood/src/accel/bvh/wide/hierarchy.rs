@@ -35,7 +35,7 @@ impl<P: Triangles, const N: usize, L: Layout> Hierarchy for WideBvh<P, N, L> {
         }
         let slots = self.nodes[parent.index()].slots();
         Opened::Inner(slots.map(move |(lane, bounds, child)| {
-            let number = Self::number(parent, lane);
+            let number = parent.number::<N>(lane);
             (self.in_world(&bounds), Place { number, child })
         }))
     }

@@ -180,6 +180,12 @@ impl Leaves {
         }
     }
 
+    /// A block that holds the corners of its triangles.
+    #[inline(always)]
+    pub fn corners(&self, block: usize) -> Option<&TriangleBlock> {
+        self.triangles.get(block)
+    }
+
     /// The triangles in a block: as they lie there, or fetched into the room that is given. Only of blocks that hold triangles.
     #[inline(always)]
     pub fn triangles<'a, S: Lanes<LANES>, L: Layout, P: Primitives>(

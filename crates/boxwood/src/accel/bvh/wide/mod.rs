@@ -30,6 +30,7 @@ mod hierarchy;
 mod job;
 mod layout;
 mod leaf;
+mod motion;
 mod node;
 mod packet;
 mod plan;
@@ -40,6 +41,7 @@ mod refit;
 mod saved;
 mod scalar;
 mod traverse;
+mod tree;
 mod upkeep;
 mod validate;
 
@@ -48,6 +50,7 @@ pub use compact::CompactSah;
 pub use gathering::{Gathering, UnknownGathering};
 pub use job::{Forecast, Job, Survey};
 pub use layout::{Compact, CompactBvh, Full, Layout};
+pub use motion::MotionBvh;
 pub use precision::{Precision, UnknownPrecision};
 pub use quality::{Quality, UnknownQuality};
 #[doc(hidden)]
@@ -66,7 +69,6 @@ use crate::inspect::{self, Cell, Statistics, TreeFlaw};
 use crate::primitive::{self, PARTS_SLACK, Primitives};
 use crate::query::{Counters, Part, Query, Traverse};
 use crate::simd::{Isa, Lanes, Level, Pages, Portable, Vectorize, exactly};
-use alloc::vec;
 use alloc::vec::Vec;
 use boxes::Boxes;
 use collapse::{Wide, collapse};
@@ -395,30 +397,7 @@ where
     }
 
     fn cells(&self, show: &mut dyn FnMut(&Cell<'_>)) {
-        if self.root == Child::NOTHING {
-            return;
-        }
-        let mut open = vec![(0, 0, self.bounds, self.root)];
-        while let Some((node, depth, bounds, child)) = open.pop() {
-            let leaf = child.is_leaf();
-            let primitives = leaf.then(|| self.leaves.ids(child.blocks()).count() as u32);
-            show(&Cell {
-                node,
-                depth,
-                bounds,
-                primitives,
-                sides: &[],
-            });
-            if !leaf {
-                let from = open.len();
-                let slots = self.nodes[child.index()].slots();
-                open.extend(slots.map(|(lane, bounds, below)| {
-                    let bounds = self.in_world(&bounds);
-                    (Self::number(child, lane), depth + 1, bounds, below)
-                }));
-                open[from..].reverse();
-            }
-        }
+        tree::cells(self, show);
     }
 
     fn parts(&self, of: Part, show: &mut dyn FnMut(Aabb, Part)) {
@@ -428,7 +407,7 @@ where
             return;
         }
         for (_, bounds, below) in self.nodes[child.index()].slots() {
-            show(self.frame.in_world(&bounds), Part::new(below.0));
+            show(self.in_world(&bounds), Part::new(below.0));
         }
     }
 
@@ -452,7 +431,7 @@ where
         // Of the two loops only one is compiled for a kind of counters.
         if !C::EXPLAINS {
             let one = traverse::One {
-                bvh: self,
+                tree: self,
                 from,
                 ray,
                 query,

@@ -47,6 +47,10 @@ impl Child {
         let first = (self.0 & !Self::LEAF) as usize >> 4;
         first..first + (self.0 & 15) as usize + 1
     }
+    /// The number of a child of this node: 0 is the root, and the children of node `i` are `i N + 1` and so on.
+    pub fn number<const N: usize>(self, lane: usize) -> u32 {
+        (self.index() * N + lane + 1) as u32
+    }
 }
 
 /// Boxes, children and their order: 256 bytes for 8 children, 512 for 16; 128 for 8 whose boxes are
@@ -240,19 +244,46 @@ impl<const N: usize, B: Boxes<N>> Node<N, B> {
         t_max: F<S, N>,
     ) -> (F<S, N>, F<S, N>) {
         let [x, y, z] = ray.rows;
-        let [near_x, far_x] = self.boxes.planes(s, 0, x);
-        let [near_y, far_y] = self.boxes.planes(s, 1, y);
-        let [near_z, far_z] = self.boxes.planes(s, 2, z);
-        let near_x = near_x.times_more(ray.inverse[0], ray.enter[0]);
-        let near_y = near_y.times_more(ray.inverse[1], ray.enter[1]);
-        let near_z = near_z.times_more(ray.inverse[2], ray.enter[2]);
-        let far_x = far_x.times_more(ray.inverse[0], ray.leave[0]);
-        let far_y = far_y.times_more(ray.inverse[1], ray.leave[1]);
-        let far_z = far_z.times_more(ray.inverse[2], ray.leave[2]);
-        (
-            near_x.max(near_y).max(near_z.max(ray.t_min)),
-            far_x.min(far_y).min(far_z.min(self.boxes.ends(s, t_max))),
+        ray.meet(
+            self.boxes.planes(s, 0, x),
+            self.boxes.planes(s, 1, y),
+            self.boxes.planes(s, 2, z),
+            self.boxes.ends(s, t_max),
         )
+    }
+}
+
+impl<const N: usize> Node<N> {
+    /// As [`slabs`](Self::slabs), of boxes on their way from here to where they are in another node of the same children, of which so much is gone. Neither
+    /// may have infinite sides.
+    #[inline(always)]
+    pub fn slabs_towards<S: Lanes<N>>(
+        &self,
+        s: S,
+        far: &Self,
+        weight: F<S, N>,
+        ray: &WideRay<S, N>,
+        t_max: F<S, N>,
+    ) -> (F<S, N>, F<S, N>) {
+        let [x, y, z] = ray.rows;
+        let planes = |near: Row<N, 6>| {
+            [near, near.neighbour()].map(|row| self.row_towards(s, far, weight, row))
+        };
+        ray.meet(planes(x), planes(y), planes(z), t_max)
+    }
+
+    /// A row of planes on its way.
+    #[inline(always)]
+    fn row_towards<S: Lanes<N>>(
+        &self,
+        s: S,
+        far: &Self,
+        weight: F<S, N>,
+        row: Row<N, 6>,
+    ) -> F<S, N> {
+        let here = F::<S, N>::load(s, self.boxes.at(row));
+        let there = F::<S, N>::load(s, far.boxes.at(row));
+        (there - here).times_more(weight, here)
     }
 }
 
@@ -331,6 +362,27 @@ impl<S: Lanes<N>, const N: usize> WideRay<S, N> {
             t_min: F::<S, N>::splat(s, t_min),
             rows,
         }
+    }
+
+    /// Where it enters and leaves boxes within its interval, by the planes that it meets first and last across each axis.
+    #[inline(always)]
+    fn meet(
+        &self,
+        [x, far_x]: [F<S, N>; 2],
+        [y, far_y]: [F<S, N>; 2],
+        [z, far_z]: [F<S, N>; 2],
+        t_max: F<S, N>,
+    ) -> (F<S, N>, F<S, N>) {
+        let near_x = x.times_more(self.inverse[0], self.enter[0]);
+        let near_y = y.times_more(self.inverse[1], self.enter[1]);
+        let near_z = z.times_more(self.inverse[2], self.enter[2]);
+        let far_x = far_x.times_more(self.inverse[0], self.leave[0]);
+        let far_y = far_y.times_more(self.inverse[1], self.leave[1]);
+        let far_z = far_z.times_more(self.inverse[2], self.leave[2]);
+        (
+            near_x.max(near_y).max(near_z.max(self.t_min)),
+            far_x.min(far_y).min(far_z.min(t_max)),
+        )
     }
 }
 

@@ -77,10 +77,11 @@ where
 
     /// Brings leaves, boxes and all that depends on them up to date.
     pub(super) fn fit(&mut self, found: &mut Fitting) {
-        exactly(|| self.follow(found));
+        exactly(|| self.follow(found, Self::frame_of));
     }
 
-    fn follow(&mut self, found: &mut Fitting) {
+    /// The same, with boxes seen from what a frame is chosen for the new bounds.
+    pub(super) fn follow(&mut self, found: &mut Fitting, frame: impl FnOnce(&Aabb) -> Frame) {
         found.blocks.resize(self.leaves.len(), Aabb::EMPTY);
         found.bounds.resize(self.nodes.len(), Aabb::EMPTY);
         found.own.resize(self.nodes.len(), 0.0);
@@ -89,7 +90,7 @@ where
             .blocks
             .iter()
             .fold(Aabb::EMPTY, |b, &block| b.union(block));
-        self.frame = Self::frame_of(&self.bounds);
+        self.frame = frame(&self.bounds);
         found.place_leaves(&mut self.nodes, &self.frame);
         found.place_nodes(&mut self.nodes, &self.frame);
         found.finish(&mut self.nodes, self.isa);
@@ -97,6 +98,11 @@ where
 }
 
 impl Fitting {
+    /// What it takes for so many nodes and blocks.
+    pub fn bytes(nodes: usize, blocks: usize) -> usize {
+        blocks * size_of::<Aabb>() + nodes * (size_of::<Aabb>() + size_of::<f64>())
+    }
+
     /// Of a tree that fits.
     pub fn weigh<const N: usize>(&mut self, nodes: &[Node<N>]) {
         self.own.clear();

@@ -1,33 +1,33 @@
 //! The same walk box by box: for rays outside the doors, which need double precision, and for those that want to know why.
 
-use super::WideBvh;
-use super::layout::Layout;
 use super::node::Child;
+use super::tree::Tree;
 use crate::geometry::frame::Frame;
 use crate::geometry::{Aabb, PreparedRay};
-use crate::primitive::{self, Primitives};
+use crate::primitive;
 use crate::query::{Counters, Query, Step, Verdict};
 use crate::simd::Portable;
 use alloc::vec::Vec;
 
 /// Shows the primitives that the ray may meet to the query, at any level and for any ray.
 #[cold]
-pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize, L: Layout>(
-    bvh: &WideBvh<P, N, L>,
+pub fn walk<T: Tree<N>, Q: Query, C: Counters, const N: usize>(
+    tree: &T,
     from: Child,
     ray: &PreparedRay,
     query: &mut Q,
     counters: &mut C,
 ) {
-    let sight = Sight::new(ray, &bvh.frame, bvh.slackened().unwrap_or(1.0));
-    let root = bvh.frame.seen(&bvh.bounds);
+    let (frame, bounds) = (tree.frame(), tree.bounds());
+    let sight = Sight::new(ray, frame, tree.slackened().unwrap_or(1.0));
+    let root = frame.seen(&bounds);
     let slabs = sight.slabs(&root);
     let (enter, t_max) = (slabs.0, query.t_max());
     let entered = sight.enters(&root, t_max).is_some();
     if C::EXPLAINS {
         counters.step(Step::of_box(
             0,
-            bvh.bounds,
+            bounds,
             slabs,
             ray.t_min,
             t_max,
@@ -60,12 +60,12 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize, L: Layout>(
             if C::EXPLAINS {
                 counters.step(Step::Leaf {
                     node: number,
-                    primitives: bvh.leaves.ids(child.blocks()).count() as u32,
+                    primitives: tree.leaves().ids(child.blocks()).count() as u32,
                 });
             }
             for block in child.blocks() {
-                for id in bvh.leaves.ids(block..block + 1) {
-                    let (primitives, id, part) = (&bvh.primitives, id as usize, bvh.part(block));
+                for id in tree.leaves().ids(block..block + 1) {
+                    let (primitives, id, part) = (tree.primitives(), id as usize, tree.part(block));
                     if primitive::offer_part(primitives, id, part, ray, query, counters).is_break()
                     {
                         return;
@@ -77,15 +77,20 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize, L: Layout>(
         counters.node();
         let from = stack.len();
         let t_max = query.t_max();
-        for (lane, bounds, below) in bvh.nodes[child.index()].slots() {
+        for lane in 0..N {
+            let below = tree.child(child.index(), lane);
+            if below == Child::NOTHING {
+                continue;
+            }
+            let bounds = tree.child_bounds(child.index(), lane, ray.is_tame());
             if let Some(enter) = sight.enters(&bounds, t_max) {
-                stack.push((enter, WideBvh::<P, N, L>::number(child, lane), below));
+                stack.push((enter, child.number::<N>(lane), below));
             } else if C::EXPLAINS {
-                let number = WideBvh::<P, N, L>::number(child, lane);
+                let number = child.number::<N>(lane);
                 let slabs = sight.slabs(&bounds);
                 counters.step(Step::of_box(
                     number,
-                    bvh.in_world(&bounds),
+                    tree.in_world(&bounds),
                     slabs,
                     ray.t_min,
                     t_max,
@@ -100,7 +105,7 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize, L: Layout>(
         if C::EXPLAINS {
             for (place, &(_, number, _)) in stack[from..].iter().enumerate().rev() {
                 let lane = (number as usize - 1) % N;
-                let bounds = bvh.nodes[child.index()].bounds(lane);
+                let bounds = tree.child_bounds(child.index(), lane, ray.is_tame());
                 let otherwise = if from + place + 1 == stack.len() {
                     Verdict::Opened
                 } else {
@@ -109,7 +114,7 @@ pub fn walk<P: Primitives, Q: Query, C: Counters, const N: usize, L: Layout>(
                 let slabs = sight.slabs(&bounds);
                 counters.step(Step::of_box(
                     number,
-                    bvh.in_world(&bounds),
+                    tree.in_world(&bounds),
                     slabs,
                     ray.t_min,
                     t_max,
@@ -151,12 +156,5 @@ impl<'a> Sight<'a> {
     /// As [`PreparedRay::enters`].
     fn enters(&self, b: &Aabb, t_max: f32) -> Option<f32> {
         self.ray.enters(&self.met(b), t_max)
-    }
-}
-
-impl<P, const N: usize, L: Layout> WideBvh<P, N, L> {
-    /// The number of a child: 0 is the root, and the children of node `i` are `i N + 1` and so on.
-    pub(super) fn number(parent: Child, lane: usize) -> u32 {
-        (parent.index() * N + lane + 1) as u32
     }
 }

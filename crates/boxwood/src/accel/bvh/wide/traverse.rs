@@ -1,12 +1,10 @@
 //! The one loop over wide nodes, in lanes.
 
-use super::WideBvh;
-use super::layout::Layout;
 use super::node::{Child, Heading, WideRay};
+use super::tree::Tree;
 use crate::geometry::ray::Facing;
 use crate::geometry::triangle::block::{BlockRay, Stop};
 use crate::geometry::{PreparedRay, Ray};
-use crate::primitive::Primitives;
 use crate::query::{Counters, Query};
 use crate::simd::{F, Floats, Kernel, Lanes, Mask, Simd, Stack, U, Words};
 use core::hint::black_box;
@@ -16,8 +14,8 @@ use core::ops::ControlFlow::{self, Break, Continue};
 const ROOM: usize = Stack::<0>::room(64, 16);
 
 /// One ray through the door.
-pub struct One<'a, P, Q, C, const N: usize, L: Layout> {
-    pub bvh: &'a WideBvh<P, N, L>,
+pub struct One<'a, T, Q, C> {
+    pub tree: &'a T,
     /// Where it begins.
     pub from: Child,
     pub ray: &'a Ray,
@@ -25,16 +23,14 @@ pub struct One<'a, P, Q, C, const N: usize, L: Layout> {
     pub counters: &'a mut C,
 }
 
-impl<P: Primitives, Q: Query, C: Counters, const N: usize, L: Layout> Kernel<N>
-    for One<'_, P, Q, C, N, L>
-{
+impl<T: Tree<N>, Q: Query, C: Counters, const N: usize> Kernel<N> for One<'_, T, Q, C> {
     type Output = ControlFlow<Stop>;
     #[inline(always)]
     fn run<S: Simd + Lanes<N>>(self, s: S) -> ControlFlow<Stop> {
-        let slack = self.bvh.precision.slack();
-        match PreparedRay::tame(s, self.ray, &self.bvh.frame, slack) {
+        let slack = self.tree.precision().slack();
+        match PreparedRay::tame(s, self.ray, self.tree.frame(), slack) {
             Some((ray, facing)) => {
-                let facing = match self.bvh.slackened() {
+                let facing = match self.tree.slackened() {
                     Some(times) => facing.slackened(s, times),
                     None => facing,
                 };
@@ -45,61 +41,59 @@ impl<P: Primitives, Q: Query, C: Counters, const N: usize, L: Layout> Kernel<N>
     }
 }
 
-/// Every query, counted or not, every width, every kind of leaf, every level.
+/// Every query, counted or not, every width, every kind of leaf, every level, at rest or in motion.
 ///
 /// *How it works.* All boxes of a node are met at once. Most rays enter none or one of them, which a branch predicts well:
 /// the next load need not wait for any sorting. Where there are more, the list for the ray's octant says which comes
 /// first; they go onto the stack in that order, closed up, with the distances of their boxes.
 #[inline(always)]
-fn walk<S, P, Q, C, const N: usize, L>(
+fn walk<S, T, Q, C, const N: usize>(
     s: S,
     One {
-        bvh,
+        tree,
         from,
         query,
         counters,
         ..
-    }: One<'_, P, Q, C, N, L>,
+    }: One<'_, T, Q, C>,
     ray: &PreparedRay,
     facing: &Facing<S>,
 ) -> ControlFlow<Stop>
 where
     S: Simd + Lanes<N>,
-    P: Primitives,
+    T: Tree<N>,
     Q: Query,
     C: Counters,
-    L: Layout,
 {
     let heading = Heading::of(s, facing);
     let wide = WideRay::<S, N>::new(s, facing.slab_terms(), ray.t_min, heading.rows());
     // In memory, for the compiler would otherwise spread it over registers before the first node, needed or not.
     let leaning = ray.leaning;
     let leaning = black_box(&leaning);
-    let exact = bvh.precision.is_exact();
+    let exact = tree.precision().is_exact();
     let mut t_max = F::<S, N>::splat(s, query.t_max());
     let mut stack = Stack::<ROOM>::new();
     let mut current = from;
     loop {
         while !current.is_leaf() {
             counters.node();
-            let node = &bvh.nodes[current.index()];
-            let (entry, exit) = node.slabs(s, &wide, t_max);
+            let node = current.index();
+            let (entry, exit) = tree.slabs(s, node, &wide, t_max);
             let entered = entry.le(exit);
             let bits = entered.bits();
             if bits & bits.wrapping_sub(1) == 0 {
                 if bits != 0 {
-                    current = node.child(bits.trailing_zeros() as usize);
+                    current = tree.child(node, bits.trailing_zeros() as usize);
                     continue;
                 }
             } else if Q::ORDERED {
-                let order = U::<S, N>::from_nibbles(s, node.order(heading.octant()));
+                let order = U::<S, N>::from_nibbles(s, tree.order(node, heading.octant()));
                 let (entry, exit) = (entry.permute(order), exit.permute(order));
-                let children = U::<S, N>::load(s, node.children()).permute(order);
+                let children = U::<S, N>::load(s, tree.children(node)).permute(order);
                 stack.top::<N>().push::<S>(children, entry, entry.le(exit));
             } else {
-                stack
-                    .top::<N>()
-                    .push::<S>(U::<S, N>::load(s, node.children()), entry, entered);
+                let children = U::<S, N>::load(s, tree.children(node));
+                stack.top::<N>().push::<S>(children, entry, entered);
             }
             match next(&mut stack, query) {
                 Some(child) => current = child,
@@ -113,7 +107,7 @@ where
             leaning,
             exact,
         };
-        bvh.offer(current, &at, query, counters)?;
+        tree.offer(current, &at, query, counters)?;
         t_max = F::<S, N>::splat(s, query.t_max());
         match next(&mut stack, query) {
             Some(child) => current = child,
