@@ -142,6 +142,7 @@ fn all_hold(boxes: &Boxes, bins: usize, leaf: usize) -> Result<(), TestCaseError
     };
     let lbvh = Lbvh {
         max_leaf,
+        block: bins,
         refine,
         ..Default::default()
     };

@@ -117,3 +117,65 @@ impl Rows {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Aabb;
+
+    /// Boxes along a line that come closer and part again.
+    fn row(count: usize) -> Vec<Item> {
+        let boxes = (0..count).map(|i| {
+            let at = (i * i * 7 % 31) as f32 + 3.0 * i as f32;
+            let size = 1.0 + (i * 5 % 7) as f32;
+            Aabb::new([at, 0.0, 0.0], [at + size, size, 1.0])
+        });
+        let items = boxes.enumerate();
+        items.map(|(i, b)| Item::new(&b, i as u32)).collect()
+    }
+
+    fn surface(items: &[Item]) -> f32 {
+        Item::around(items).half_area()
+    }
+
+    /// What the cheapest groups cost, by trying all.
+    fn least(items: &[Item], block: usize) -> f32 {
+        let first = 1..=block.min(items.len());
+        let costs = first.map(|size| surface(&items[..size]) + least(&items[size..], block));
+        costs.reduce(f32::min).unwrap_or(0.0)
+    }
+
+    #[test]
+    fn no_groups_are_cheaper() {
+        for block in 2..=4 {
+            for count in 0..14 {
+                let items = row(count);
+                let starts = groups(&items, block);
+                let sizes = starts
+                    .windows(2)
+                    .map(|ends| &items[ends[0] as usize..ends[1] as usize]);
+                let cost: f32 = sizes.map(surface).sum();
+                let least = least(&items, block);
+                assert!(
+                    (cost - least).abs() <= 1e-4 * least,
+                    "{count} in {block}: {cost} not {least}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn groups_are_small_and_hold_everything() {
+        let mut items = row(3 * 16 * PIECE + 7);
+        // Nothing can be said of a box that is no number, or infinite.
+        items[5] = Item::new(&Aabb::new([f32::NAN; 3], [f32::NAN; 3]), 5);
+        items[9] = Item::new(&Aabb::new([f32::NEG_INFINITY; 3], [f32::INFINITY; 3]), 9);
+        for block in [1, 2, 4, MAX_BLOCK] {
+            let starts = groups(&items, block);
+            let (first, last) = (starts.first(), starts.last());
+            assert_eq!((first, last), (Some(&0), Some(&(items.len() as u32))));
+            let fits = |ends: &[u32]| (1..=block as u32).contains(&(ends[1] - ends[0]));
+            assert!(starts.windows(2).all(fits), "groups of {block}");
+        }
+    }
+}
