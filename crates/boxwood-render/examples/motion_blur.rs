@@ -5,9 +5,7 @@
 //! All samples of a pixel are cast at times of their own, one in each of as many equal parts of the shutter's time, in an order that is shuffled
 //! from pixel to pixel; shadows at the time of the ray that met what is lit.
 
-use boxwood::{
-    Hit, Intersect, MotionBvh, MovingMesh, Ray, Surfaces, Timed, TriangleMesh, Vec3, WideSah,
-};
+use boxwood::{Hit, MotionBvh, MovingMesh, Ray, Surfaces, Timed, TriangleMesh, Vec3, WideSah};
 use boxwood_scene::builtin;
 use std::fs::File;
 use std::io::BufWriter;
