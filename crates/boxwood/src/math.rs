@@ -1,6 +1,6 @@
 //! Functions that are the same bits with and without `std`, and on every machine.
 //!
-//! Square roots are correctly rounded everywhere; angles come from `libm`, never from the system. All other operations
+//! Square roots are correctly rounded everywhere; angles and logarithms come from `libm`, never from the system. All other operations
 //! are in `core`.
 
 /// `√x` as a float.
@@ -19,6 +19,16 @@ pub fn sqrt_f64(x: f64) -> f64 {
     return x.sqrt();
     #[cfg(not(feature = "std"))]
     libm::sqrt(x)
+}
+
+/// The binary logarithm in double precision.
+pub fn log2(x: f64) -> f64 {
+    libm::log2(x)
+}
+
+/// `2ˣ` in double precision.
+pub fn exp2(x: f64) -> f64 {
+    libm::exp2(x)
 }
 
 /// The lesser of two, as one instruction; the second where either is NaN.

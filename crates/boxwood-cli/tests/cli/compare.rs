@@ -110,6 +110,55 @@ fn a_choice_of_structures_and_rays() {
 }
 
 #[test]
+fn presets_are_weighed_with_their_rays_and_held_against_the_model() {
+    let bench = bench();
+    let words = compare(
+        "--presets --accel bvh:binned --accel wide16 --rays primary --html out.html --json",
+    );
+    let report = bench.json(&words);
+    let structures = report["structures"].as_array().expect("a list");
+    let names: Vec<_> = structures
+        .iter()
+        .filter_map(|s| s["structure"].as_str())
+        .collect();
+    let qualities = ["fast", "high", "ultra"].map(|quality| format!("wide16:quality={quality}"));
+    let mut expected = vec!["brute", "bvh:binned", "wide16"];
+    expected.extend(qualities.iter().map(String::as_str));
+    assert_eq!(names, expected);
+    for structure in structures {
+        let wide = structure["structure"]
+            .as_str()
+            .is_some_and(|s| s.starts_with("wide"));
+        assert_eq!(structure["forecast"]["peak_bytes"].as_u64() > Some(0), wide);
+    }
+    let jobs = report["jobs"].as_array().expect("a list");
+    assert_eq!(jobs.len(), 7);
+    for row in jobs {
+        let seconds = |value: &Value| value.as_f64().expect("a number");
+        let chosen = &row["chosen"];
+        assert!(
+            chosen["structure"]
+                .as_str()
+                .is_some_and(|s| s.starts_with("wide16"))
+        );
+        assert!(seconds(&row["seconds"]) <= seconds(&chosen["seconds"]));
+        assert!(seconds(&chosen["expected_seconds"]) > 0.0);
+    }
+    let page = String::from_utf8(bench.read("out.html")).expect("text");
+    well_formed(&page);
+    assert!(page.contains("Build and rays together") && page.contains("nominal time"));
+    // Alone it compares the default width, and without wide trees there is nothing to expect.
+    let text = bench.good(&compare("--presets --rays primary"));
+    for word in ["wide8:quality=fast", "done first", "by the model"] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+    let report = bench.json(&compare("--accel bvh:median --rays primary --json"));
+    assert_eq!(report["jobs"][0]["first"], "bvh:median");
+    assert_eq!(report["jobs"][0]["chosen"], Value::Null);
+    bench.misused(&compare("--presets --sweep bvh"));
+}
+
+#[test]
 fn tables_mark_winners() {
     let text = bench().good(&compare("--rays primary"));
     for word in [

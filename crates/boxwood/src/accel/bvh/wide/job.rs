@@ -17,6 +17,7 @@ use super::{Quality, WideBvh, WideSah};
 use crate::accel::sah::half_area;
 use crate::accel::{BuildError, Limits};
 use crate::geometry::Aabb;
+use crate::math;
 use crate::pieces;
 use crate::primitive::Primitives;
 use crate::simd::{Level, Vectorize, exactly};
@@ -190,59 +191,61 @@ struct Cost {
     build: [f64; 2],
     /// The share of the build that one thread does alone.
     alone: f64,
-    /// Steps of a ray over those that a tree of the default quality takes.
-    steps: f64,
-    /// The share of boxes entered in vain that it spares.
+    /// The time of a ray over that in a tree of the default quality.
+    ray: f64,
+    /// The share of that time that is spared for each box that a line enters in vain.
     spared: f64,
-    /// Blocks of leaves, and children of nodes, for each primitive.
+    /// Blocks of leaves, and nodes of 8 children, for each primitive.
     blocks: f64,
-    children: f64,
+    nodes: f64,
 }
 
-/// Of one thread of the machine of `docs/decisions/0012-presets.md`, 8 children, in the order of [`Quality::ALL`].
+/// Of one thread of the machine of `docs/decisions/0012-presets.md`, in the order of [`Quality::ALL`]; the last row is of scenes where
+/// splits pay. The shares that one thread does alone are estimates.
 const COSTS: [Cost; 4] = [
     Cost {
-        build: [330.0, 17.0],
+        build: [440.0, 15.0],
         alone: 0.1,
-        steps: 1.16,
+        ray: 1.19,
         spared: 0.0,
         blocks: 0.38,
-        children: 0.43,
+        nodes: 0.054,
     },
     Cost {
-        build: [330.0, 17.0],
+        build: [410.0, 14.0],
         alone: 0.1,
-        steps: 1.0,
+        ray: 1.0,
         spared: 0.0,
         blocks: 0.31,
-        children: 0.37,
+        nodes: 0.046,
     },
     Cost {
-        build: [330.0, 17.0],
+        build: [1200.0, 37.0],
         alone: 0.3,
-        steps: 0.98,
-        spared: 0.0,
+        ray: 1.0,
+        spared: 0.004,
         blocks: 0.315,
-        children: 0.38,
+        nodes: 0.047,
     },
     Cost {
-        build: [330.0, 17.0],
-        alone: 0.1,
-        steps: 0.97,
-        spared: 0.1,
-        blocks: 0.35,
-        children: 0.41,
+        build: [5000.0, 183.0],
+        alone: 0.2,
+        ray: 1.0,
+        spared: 0.008,
+        blocks: 0.335,
+        nodes: 0.05,
     },
 ];
 
-/// Nanoseconds that a ray takes before its first step.
-const BEGINNING: f64 = 20.0;
-/// Steps for each halving of the primitives' number, and for each of their boxes that a line meets.
-const STEPS: [f64; 2] = [0.3, 0.15];
-/// Nanoseconds of a step in a tree of no size, and for each doubling of its bytes beyond [`NEAR`].
-const STEP: [f64; 2] = [14.0, 5.0];
-/// Bytes that lie so close to the processor that it hardly waits for them.
-const NEAR: f64 = 1e6;
+/// Nanoseconds of a ray among few primitives, a line through which meets one box.
+const RAY: f64 = 25.8;
+/// With which powers they grow: with the boxes that a line meets, and with the number of primitives.
+const BOXES: f64 = 0.33;
+const PRIMITIVES: f64 = 0.18;
+/// What 16 children take instead of 8: time of a ray, and bytes of nodes, which are less full.
+const SIXTEEN: [f64; 2] = [0.83, 1.15];
+/// At least so much of a ray's time is left, whatever is spared.
+const LEAST: f64 = 0.75;
 
 impl Quality {
     /// What a wide tree of `N` children takes in this quality, other settings being the default ones.
@@ -252,25 +255,23 @@ impl Quality {
             _ => self,
         };
         let cost = &COSTS[made_as as usize];
+        let [time, size] = if N == 16 { SIXTEEN } else { [1.0, 1.0] };
         let count = survey.primitives as f64;
-        let halvings = count.max(1.0).log2();
+        let halvings = math::log2(count.max(1.0));
         let alone = cost.alone + (1.0 - cost.alone) / threads.max(1) as f64;
         let build = count * (cost.build[0] + cost.build[1] * halvings) * alone;
-        let blocks = count * cost.blocks * Leaves::block_bytes(survey.triangles) as f64;
-        // Wide nodes are as full as those of 8 children, but for the last ones.
-        let nodes = count * cost.children / (0.92 * 8.0) * (size_of::<Node<N>>() * 8 / N) as f64;
-        let resident = blocks + nodes;
+        let blocks = cost.blocks * Leaves::block_bytes(survey.triangles) as f64;
+        let nodes = cost.nodes * size * size_of::<Node<8>>() as f64;
         let in_vain = survey.boxes_met - survey.primitives_met;
-        let steps = cost.steps * (STEPS[0] * halvings + STEPS[1] * survey.boxes_met)
-            - cost.spared * in_vain;
-        let farther = (1.0 + resident / NEAR).log2();
-        let ray = BEGINNING + steps.max(1.0) * (STEP[0] + STEP[1] * farther);
+        let growth = BOXES * math::log2(survey.boxes_met.max(1.0)) + PRIMITIVES * halvings;
+        let ray = RAY * time * math::exp2(growth);
+        let ray = ray * (cost.ray - cost.spared * in_vain).max(LEAST);
         Forecast {
             quality: self,
             build_seconds: build * 1e-9,
             ray_seconds: ray * 1e-9,
             peak_bytes: WideSah::<N>::of(self).peak_bytes(survey),
-            resident_bytes: resident as usize,
+            resident_bytes: (count * (blocks + nodes)) as usize,
         }
     }
 }
