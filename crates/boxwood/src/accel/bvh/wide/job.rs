@@ -204,12 +204,12 @@ struct Cost {
 /// splits pay. The shares that one thread does alone are estimates.
 const COSTS: [Cost; 4] = [
     Cost {
-        build: [440.0, 15.0],
+        build: [265.0, 9.0],
         alone: 0.1,
-        ray: 1.19,
+        ray: 1.16,
         spared: 0.0,
-        blocks: 0.38,
-        nodes: 0.054,
+        blocks: 0.33,
+        nodes: 0.053,
     },
     Cost {
         build: [410.0, 14.0],
