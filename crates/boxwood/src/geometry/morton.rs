@@ -81,7 +81,8 @@ pub(crate) fn sort(
     spare: &mut [Coded],
     goes_on: &(impl Fn(usize) -> bool + Sync),
 ) -> bool {
-    settle(list, spare, false, goes_on)
+    // Short lists are sorted without a question in between.
+    settle(list, spare, false, goes_on) && (list.len() > MANY || goes_on(list.len()))
 }
 
 /// Sorts what the first list holds; it lies in the second one then if that is asked for, else in the first.

@@ -15,6 +15,7 @@ use crate::geometry::motion::Moment;
 use crate::geometry::triangle::{self, overlap};
 use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Surface, Vec3};
 use crate::query::{Counters, Query};
+use crate::simd::exactly;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
 
@@ -172,7 +173,7 @@ impl<'a> Pose<'a> {
         let [near, far] = [self.moment.near, self.moment.far].map(|key| self.mesh.positions(key));
         let places = near.iter().zip(far);
         let mut mesh = self.mesh.first.clone();
-        mesh.move_vertices(places.map(|(&near, &far)| self.moment.place(near, far)))?;
+        exactly(|| mesh.move_vertices(places.map(|(&near, &far)| self.moment.place(near, far))))?;
         Ok(mesh)
     }
 }

@@ -185,7 +185,7 @@ impl<T: Traverse + Send + Sync> Intersect for T {
         });
     }
     fn parts(&self, of: Part, show: &mut dyn FnMut(Aabb, Part)) {
-        Traverse::parts(self, of, show);
+        exactly(|| Traverse::parts(self, of, show));
     }
     fn relay(&self, ray: &Ray, asked: Relay<'_>) {
         if asked.ordered {

@@ -31,6 +31,8 @@ impl Instances {
                 None => return Vec::new(),
             }
         }
+        // In what has no box there is nothing to hit.
+        parts.retain(|(bounds, _)| !bounds.is_empty());
         parts
     }
 }

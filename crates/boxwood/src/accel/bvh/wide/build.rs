@@ -9,7 +9,7 @@ use crate::accel::settings::{Setting, Settings, Value};
 use crate::accel::{Axes, BuildError};
 use crate::primitive::Primitives;
 use crate::query::Intersect;
-use crate::simd::{Isa, Level, Vectorize};
+use crate::simd::{Isa, Level, Vectorize, exactly};
 use alloc::boxed::Box;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -121,11 +121,13 @@ impl<const N: usize> WideSah<N> {
     /// collapsing takes.
     pub(super) fn peak_bytes(&self, survey: &Survey) -> usize {
         let count = survey.primitives;
-        match self.quality {
+        let bytes = match self.quality {
             Quality::Fast => Lbvh::bytes(count),
             Quality::Ultra if survey.splits_pay() => self.with_splits().bytes(count),
             _ => BinnedSah::bytes(count),
-        }
+        };
+        // Where each has a leaf of its own, the binary tree is four times as large as others when it is refined and collapsed.
+        if survey.composite { 2 * bytes } else { bytes }
     }
 }
 
@@ -169,7 +171,7 @@ where
                 watch: Some(&|share| watch(OPENING * share)),
                 ..*limits
             };
-            braid::entries(&primitives, self.axes, self.rebraid, &opening)?
+            exactly(|| braid::entries(&primitives, self.axes, self.rebraid, &opening))?
         } else {
             None
         };

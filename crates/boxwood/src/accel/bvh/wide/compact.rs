@@ -27,7 +27,7 @@ use alloc::vec::Vec;
 pub struct CompactSah {
     /// What makes the binary tree.
     pub quality: Quality,
-    /// Bins per axis, 2 to 64, of the qualities that have them but the highest.
+    /// Bins per axis, 2 to 64, of all qualities but the lowest.
     pub bins: usize,
     /// The axes that may be divided.
     pub axes: Axes,

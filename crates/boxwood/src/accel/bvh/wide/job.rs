@@ -91,6 +91,8 @@ pub struct Survey {
     pub primitives: usize,
     /// Whether they lie in leaves as triangles.
     pub triangles: bool,
+    /// Whether they are made of others, as placed objects are: then each has a leaf of its own.
+    pub composite: bool,
     /// How many of the primitives' boxes a random line meets that meets the box around everything.
     pub boxes_met: f64,
     /// How many of the primitives, as far as triangles are concerned; of others, as many as boxes.
@@ -137,6 +139,7 @@ impl Survey {
         Self {
             primitives: count,
             triangles: P::TRIANGLES,
+            composite: P::COMPOSITE,
             boxes_met,
             primitives_met: share(own).min(boxes_met),
         }
@@ -330,6 +333,7 @@ mod tests {
         Survey {
             primitives,
             triangles: true,
+            composite: false,
             boxes_met: 20.0,
             primitives_met: 5.0,
         }

@@ -66,14 +66,8 @@ struct Below<'a> {
 impl Cuts<'_> {
     /// Cuts a run of groups; its root lies at some depth.
     fn grow(&self, run: Range<usize>, depth: usize, root: &mut BinaryNode, below: Below<'_>) {
-        if run.len() > FEW {
-            if self.site.is_over() {
-                return;
-            }
-        } else if depth == 0 || run.len() > FEW / 2 {
-            // Most of the work is in the parts that one thread does.
-            let places = below.order.len();
-            self.site.advance(places * levels(self.items.len()));
+        if run.len() > FEW && self.site.is_over() {
+            return;
         }
         if run.len() < 2 {
             self.put(run.start, root, below.order);
@@ -98,6 +92,13 @@ impl Cuts<'_> {
             order: order.1,
         };
         let [of_left, of_right] = halves;
+        // One advance for each part that one thread does, whose parent was shared.
+        if run.len() > FEW {
+            let small = [(&of_left, left.order.len()), (&of_right, right.order.len())];
+            let small = small.into_iter().filter(|(run, _)| run.len() <= FEW);
+            let places: usize = small.map(|(_, places)| places).sum();
+            self.site.advance(places * levels(self.items.len()));
+        }
         if let [a, b] = pair {
             let grow_left = || self.grow(of_left, depth + 1, a, left);
             let grow_right = || self.grow(of_right, depth + 1, b, right);

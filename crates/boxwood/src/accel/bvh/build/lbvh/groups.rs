@@ -1,8 +1,8 @@
 //! Neighbours along the curve that are met together.
 //!
 //! *How it works.* The row of primitives is cut into groups of at most as many as one block holds, such that the surfaces of
-//! the groups' boxes, and a little for each group, come to the least: the cheapest way to cut the first `i` is the cheapest way to cut
-//! fewer, and one group. The boxes of all runs of one length are made at once.
+//! the groups' boxes come to the least: the cheapest way to cut the first `i` is the cheapest way to cut fewer, and one
+//! group. The boxes of all runs of one length are made at once.
 //!
 //! *Cost.* O(n · block), in lanes.
 

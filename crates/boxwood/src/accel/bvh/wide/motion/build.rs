@@ -56,7 +56,7 @@ where
         let middle = self.build_within(moving.at(MIDDLE), &building)?;
         let bounds = exactly(|| primitive::bounds_of(moving));
         // Only from the middle of all of the way are all differences exact.
-        let frame = Frame::of(&bounds).in_motion();
+        let frame = exactly(|| Frame::of(&bounds).in_motion());
         let root = middle.root;
         let keys = exactly(|| fit_to_keys(middle, moving, &frame, &fitting))?;
         Ok(MotionBvh {
